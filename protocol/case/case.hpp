@@ -1,0 +1,205 @@
+#pragma once
+// A case: what all three programs read from one TOML file. Plain tables, SI units, defaults here.
+// read_case() in case_file.hpp fills them; every key below is a TOML key of the same name.
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace undertow {
+
+using Vec3 = std::array<double, 3>;
+
+struct Box {
+    Vec3 min{}, max{};                   // [m]
+};
+
+// ---------------------------------------------------------------- [case], [time], [output]
+struct CaseInfo {
+    std::string name;                    // also the folder of the results
+    std::string title;
+    int dimension = 3;                   // 2: the x-z plane, y is out of plane
+    double thickness = 1;                // [m] out-of-plane thickness of a 2D case
+    Vec3 gravity{0, 0, -9.81};           // [m/s2]
+};
+
+struct TimeSettings {
+    double end = 1;                      // [s]
+    double max_step = std::numeric_limits<double>::infinity();   // [s]
+    double min_step = 1e-10;             // [s] a stable step below this stops the run
+    double growth = 1.05;                // largest ratio of successive steps
+};
+
+struct OutputSettings {
+    double fields_every = 0.02;          // [s] particle and mesh fields
+    double history_every = 0;            // [s] forces, energies, gauges; 0 = 1/2000 of time.end
+};
+
+// ---------------------------------------------------------------- [sph]
+enum class Kernel { cubic_spline, wendland_c2 };
+enum class EquationOfState { us_up, tait };
+enum class Integrator { automatic, one_pass, two_pass };
+enum class Slip { free_slip, no_slip };
+
+struct Fluid {                           // [[sph.fluid]]
+    std::string name;
+    double density = 1000;               // [kg/m3] at zero pressure
+    double viscosity = 0;                // [Pa s] dynamic
+    EquationOfState equation_of_state = EquationOfState::us_up;   // "us_up", "tait"
+    std::optional<double> sound_speed;   // [m/s]; "auto" (= nullopt): ten times sph.max_speed
+    double hugoniot_slope = 0;           // s of Us = c0 + s up
+    double gruneisen = 0;                // Gamma0
+    double tait_exponent = 7;
+};
+
+struct Fill {                            // [[sph.fill]] particles, cell-centered in the box
+    std::string fluid;
+    Box box;
+    Vec3 velocity{};                     // [m/s]
+    std::optional<double> surface_level; // [m] z of p = 0 for the hydrostatic start; none = top of box
+};
+
+struct PlaneWall {                       // [[sph.plane]] infinite rigid wall, by mirror particles
+    std::string name;
+    Vec3 point{};                        // [m]
+    Vec3 normal{0, 0, 1};                // into the fluid
+    Slip slip = Slip::free_slip;         // "free", "no_slip"
+};
+
+struct PlateWall {                       // [[sph.plate]] rigid box of dummy particles, may move (gate)
+    std::string name;
+    Box box;
+    Vec3 velocity{};                     // [m/s]
+    double start = 0;                    // [s] motion begins
+    double stop = std::numeric_limits<double>::infinity();   // [s] motion ends
+    Slip slip = Slip::free_slip;
+};
+
+enum class SphGaugeKind { front, pressure, water_level };
+struct SphGauge {                        // [[sph.gauge]]
+    std::string name;
+    SphGaugeKind kind = SphGaugeKind::front;   // "front", "pressure", "water_level"
+    Vec3 point{};                        // [m] pressure: where; water_level: its x, y
+    Vec3 direction{1, 0, 0};             // front: which way it runs
+    double every = 0;                    // [s] 0 = output.history_every
+};
+
+struct SphSettings {
+    bool present = false;                // the case has an [sph] table
+    double spacing = 0;                  // [m] dx
+    Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2"
+    double smoothing_ratio = 1.2;        // h/dx; support radius 2h
+    double density_diffusion = 0.1;      // delta of delta-SPH
+    double artificial_viscosity = 0.02;  // alpha of Monaghan's term
+    bool gradient_correction = false;    // of the difference operators (continuity, diffusion)
+    Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
+    double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator
+    double force_cfl = 0.25;             // lambda' of Eq. 14
+    double max_speed = 0;                // [m/s] largest expected speed, for sound_speed = "auto";
+                                         // 0 = estimated from the fills (2 sqrt(g H), |v|)
+    std::optional<Box> domain;           // particles that leave are removed, counted and reported
+    std::vector<Fluid> fluid;
+    std::vector<Fill> fill;
+    std::vector<PlaneWall> plane;
+    std::vector<PlateWall> plate;
+    std::vector<SphGauge> gauge;
+};
+
+// ---------------------------------------------------------------- [fem]
+struct FemBlock {                        // [fem.block] structured mesh of hexahedra, instead of a file
+    Box box;
+    std::array<int, 3> divisions{1, 1, 1};
+    // volume set "block"; facet sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"; node sets alike
+};
+
+enum class MaterialKind { linear_elastic };
+struct FemMaterial {                     // [[fem.material]]
+    std::string name;
+    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic"
+    double density = 0;                  // [kg/m3]
+    double young_modulus = 0;            // [Pa]
+    double poisson_ratio = 0;            // -1 to 0.5
+};
+
+struct FemPart {                         // [[fem.part]]
+    std::string set;                     // volume set of the mesh ($PhysicalNames)
+    std::string material;
+};
+
+struct FemSupport {                      // [[fem.support]]
+    std::string set;                     // node, facet or volume set
+    std::vector<std::string> fix;        // of "x", "y", "z"
+};
+
+struct FemPressure {                     // [[fem.pressure]] follows the deforming facets
+    std::string set;
+    double value = 0;                    // [Pa] positive pushes against the facet's outward normal
+    double ramp = 0;                     // [s] smooth rise from 0; 0 = at once
+};
+
+struct FemSurface {                      // [[fem.surface]] coupled surface; its name is the force's name
+    std::string name;
+    std::string set;                     // facet set
+};
+
+struct FemProbe {                        // [[fem.probe]] history of the node nearest to a point
+    std::string name;
+    Vec3 point{};                        // [m] in the undeformed mesh
+};
+
+struct FemSettings {
+    bool present = false;
+    std::string mesh;                    // path of a Gmsh .msh (4.1), relative to the case file
+    std::optional<FemBlock> block;
+    double cfl = 0.9;                    // lambda of Eq. 13
+    double damping_alpha = 0;            // [1/s] Rayleigh, mass-proportional
+    double bulk_viscosity_linear = 0.06;
+    double bulk_viscosity_quadratic = 1.2;
+    std::vector<FemMaterial> material;
+    std::vector<FemPart> part;
+    std::vector<FemSupport> support;
+    std::vector<FemPressure> pressure;
+    std::vector<FemSurface> surface;
+    std::vector<FemProbe> probe;
+};
+
+// ---------------------------------------------------------------- [coupling]
+enum class StiffnessLaw { fluid, eq11 };
+enum class FrictionLaw { coulomb, viscous };
+
+struct PressurePatch {                   // [[coupling.patch]] mean contact pressure over a patch
+    std::string name;
+    Box box;                             // [m] contacts whose point lies in the box count
+    double area = 0;                     // [m2] the force is divided by it
+    double window = 0;                   // [s] moving mean, stated in the file's header; 0 = raw steps
+};
+
+struct CouplingSettings {
+    StiffnessLaw law = StiffnessLaw::fluid;      // "fluid", "eq11"
+    double stiffness_factor = 1;         // chi of k = chi rho c0^2 dx
+    double beta = 0.25;                  // share of the stability budget for stiffness, (omega dt)^2
+    double damping = 0.1;                // eta <= 0.1: share for normal damping, c dt / m_eff
+    double friction = 0;                 // Coulomb coefficient
+    FrictionLaw friction_law = FrictionLaw::coulomb;  // "coulomb", "viscous"
+    double viscous_coefficient = 0;      // [N s/m] of Eq. 9, for "viscous"
+    double skin = 0.3;                   // search skin in units of the particle spacing
+    std::string transport = "ipc";       // "ipc", "tcp"
+    double deadline = 60;                // [s]
+    double join_timeout = 60;            // [s]
+    std::vector<PressurePatch> patch;
+};
+
+struct Case {
+    std::string file;                    // path as given
+    std::string folder;                  // where relative paths start
+    CaseInfo info;                       // [case]
+    TimeSettings time;
+    OutputSettings output;
+    SphSettings sph;
+    FemSettings fem;
+    CouplingSettings coupling;
+};
+
+}  // namespace undertow

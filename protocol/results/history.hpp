@@ -1,0 +1,31 @@
+#pragma once
+// A CSV history: '#' header lines (quantity, units, filter), a column line, rows flushed in time.
+
+#include <cstdio>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace undertow {
+
+class History {
+ public:
+    /// columns like "t [s]"; notes become '#' lines. Creates the file at once (InputError if not).
+    History(const std::string& path, const std::vector<std::string>& notes,
+            const std::vector<std::string>& columns);
+    ~History();
+    History(History&&) noexcept;
+    History(const History&) = delete;
+
+    /// One row, %.9g; as many values as columns. Flushed to the kernel at least once per second of
+    /// wall time and by flush(), so that a killed run keeps its rows.
+    void row(std::span<const double> values);
+    void flush();
+
+ private:
+    std::FILE* file_ = nullptr;
+    std::size_t columns_ = 0;
+    double last_flush_ = 0;
+};
+
+}  // namespace undertow

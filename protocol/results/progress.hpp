@@ -1,0 +1,40 @@
+#pragma once
+// The live line: rewritten twice a second on a terminal, one line per 30 s otherwise.
+
+#include <cstdint>
+#include <string>
+
+namespace undertow {
+
+struct ProgressFigures {
+    double t = 0, t_end = 1;         // [s]
+    std::int64_t n = 0;              // steps done
+    double dt = 0;                   // [s]
+    std::string limiter;             // who limits dt
+    double particle_steps = 0;       // done so far, 0 = not shown
+    double element_steps = 0;        // done so far, 0 = not shown
+    double force = -1;               // [N] contact force, < 0 = not shown
+    std::string waiting;             // "sph 83 % fem 4 % coupler 9 %": who is busy, who waits for whom
+};
+
+class ProgressLine {
+ public:
+    /// quiet: nothing at all is shown. Also writes `status_file` (JSON, atomic rename, once a
+    /// second) for `undertow status`; empty = none.
+    ProgressLine(bool quiet, std::string status_file);
+    ~ProgressLine();
+    /// Cheap when nothing is due (one clock read).
+    void update(const ProgressFigures& figures);
+    /// Ends the line, so that the next output starts on its own.
+    void finish(const ProgressFigures& figures);
+
+ private:
+    bool quiet_, terminal_;
+    std::string status_file_;
+    double start_ = 0, last_line_ = 0, last_status_ = 0;
+    double rate_t_ = 0;              // smoothed simulated seconds per wall second
+    double last_t_ = 0, last_wall_ = 0, last_particle_steps_ = 0, last_element_steps_ = 0;
+    std::size_t width_ = 0;
+};
+
+}  // namespace undertow

@@ -1,0 +1,73 @@
+#pragma once
+// The coupler's end of the wire: one ROUTER socket, a session per participant.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "wire/messages.hpp"
+
+namespace undertow::wire {
+
+struct HostOptions {
+    std::string endpoint;            // "ipc:///dir/coupler.sock" (locked, dir is 0700) or "tcp://127.0.0.1:0"
+    std::vector<std::string> expected_roles{"particles", "surface"};  // one participant for each
+    double join_timeout = 60;        // [s]
+    double deadline = 60;            // [s] longest silence of a participant
+    Welcome welcome;                 // session 0 = draw one; versions and capabilities filled in
+};
+
+struct Received {
+    std::size_t participant;         // index in order of expected_roles
+    Message message;
+};
+
+class Host {
+ public:
+    /// Binds (throws PeerError E_IO naming the process that holds the endpoint).
+    explicit Host(const HostOptions& options);
+    ~Host();
+
+    const std::string& endpoint() const;   // as bound: a tcp port 0 is resolved
+
+    /// Waits until every expected role has said HELLO and got WELCOME. A wrong version, a taken name
+    /// or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing.
+    void wait_join();
+
+    /// Waits for the meshes, one from each participant at least; answers MESH_ACK. Result per
+    /// participant. Structural checks here (shapes, indices, finite, mass > 0); geometric ones
+    /// (degenerate facets) are the caller's.
+    std::vector<std::vector<Mesh>> wait_meshes();
+
+    /// Next valid message of a running step from any participant (STATE, PROBE, CHECKPOINT_ACK, BYE).
+    /// Session, step order, shapes and finiteness have been checked against the state machine.
+    /// PROGRESS restarts the deadline and is not returned. Throws PeerError after having told all
+    /// other participants: E_TIMEOUT, E_PEER_LOST, E_MALFORMED, E_NONFINITE, E_SEQUENCE, a peer's
+    /// own ERROR, ...
+    Received next();
+
+    /// Like next(), but returns false when `seconds` pass without a message.
+    bool next_within(double seconds, Received& received);
+
+    /// Sends; the session number is filled in.
+    void send(std::size_t participant, Message message);
+
+    /// Tells every participant why the run fails (used by main before exit); never throws.
+    void broadcast_error(const std::string& code, const std::string& text,
+                         const std::string& who) noexcept;
+
+    /// FINISH to all, waits for every BYE (at most deadline).
+    void finish(std::int64_t n, const std::string& reason);
+
+    const std::string& name(std::size_t participant) const;
+    const std::string& software(std::size_t participant) const;
+    std::uint64_t bytes_sent() const;
+    std::uint64_t bytes_received() const;
+
+ private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace undertow::wire
