@@ -1,5 +1,17 @@
 #pragma once
-// The coupler's end of the wire: one ROUTER socket, a session per participant.
+// The coupler's end of the wire: one ROUTER socket, a session per participant. Used by one thread.
+//
+//     Host host({.endpoint = ..., .welcome = {.t_end = ...}});
+//     host.wait_join();                                         HELLO, WELCOME
+//     meshes = host.wait_meshes();                              MESH, MESH_ACK
+//     host.send(particles, surface);                            SURFACE
+//     for (n = 0;; ++n) {
+//         host.next() from each                                 STATE or PROBE
+//         if (end) break;
+//         host.send(particles, active);                         ACTIVE, after a PROBE
+//         host.send(each, force);                               FORCE
+//     }
+//     host.finish(n, "done");                                   FINISH, BYE
 
 #include <cstdint>
 #include <memory>
@@ -35,22 +47,27 @@ class Host {
     /// or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing.
     void wait_join();
 
-    /// Waits for the meshes, one from each participant at least; answers MESH_ACK. Result per
-    /// participant. Structural checks here (shapes, indices, finite, mass > 0); geometric ones
+    /// Waits for the meshes and answers MESH_ACK; result per participant. Particles announce one
+    /// mesh; the meshes of a surface are complete when its first STATE has come (which next() then
+    /// returns). Structural checks here (shapes, indices, finite, mass > 0); geometric ones
     /// (degenerate facets) are the caller's.
     std::vector<std::vector<Mesh>> wait_meshes();
 
     /// Next valid message of a running step from any participant (STATE, PROBE, CHECKPOINT_ACK, BYE).
     /// Session, step order, shapes and finiteness have been checked against the state machine.
-    /// PROGRESS restarts the deadline and is not returned. Throws PeerError after having told all
+    /// PROGRESS restarts the deadline and is not returned. While one participant is slow, the others
+    /// get a PROGRESS every third of the deadline, so that only this side judges the slow one. Throws PeerError after having told all
     /// other participants: E_TIMEOUT, E_PEER_LOST, E_MALFORMED, E_NONFINITE, E_SEQUENCE, a peer's
     /// own ERROR, ...
     Received next();
 
-    /// Like next(), but returns false when `seconds` pass without a message.
+    /// Like next(), but returns false when `seconds` pass without a message. Reuses the vectors of
+    /// `received` when it holds a message of the same type already (no allocation per step).
     bool next_within(double seconds, Received& received);
 
-    /// Sends; the session number is filled in.
+    /// Sends; the session number is filled in. Pass the message by move: its arrays then travel
+    /// without a copy. A message that the session does not allow here is a std::logic_error. A lost
+    /// participant is reported by the next next().
     void send(std::size_t participant, Message message);
 
     /// Tells every participant why the run fails (used by main before exit); never throws.

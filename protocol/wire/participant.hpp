@@ -1,9 +1,9 @@
 #pragma once
 // A solver's end of the wire. One object, the life cycle of docs/protocol.md:
 //
-//     Participant link({.endpoint = "ipc://...", .name = "fem", .role = "surface"});   HELLO, WELCOME
-//     link.announce(mesh);                                                            MESH, MESH_ACK
-//     for (n = 0;; ++n) {
+//     Participant link({.endpoint = "ipc://...", .name = "fem", .role = "surface"});   HELLO,
+//     WELCOME link.announce(mesh);                                                            MESH,
+//     MESH_ACK for (n = 0;; ++n) {
 //         link.send(state);               STATE (or PROBE); returns at once
 //         ... internal forces ...         while the coupler computes contact
 //         StepReply reply = link.wait_reply();
@@ -23,12 +23,12 @@
 namespace undertow::wire {
 
 struct ParticipantOptions {
-    std::string endpoint;            // "ipc:///path/coupler.sock" or "tcp://127.0.0.1:port"
-    std::string name;                // unique within the run
-    std::string role;                // "particles" or "surface"
+    std::string endpoint;  // "ipc:///path/coupler.sock" or "tcp://127.0.0.1:port"
+    std::string name;      // unique within the run
+    std::string role;      // "particles" or "surface"
     std::vector<std::string> capabilities;
     std::string software;
-    double join_timeout = 60;        // [s] how long the coupler may take to appear and answer
+    double join_timeout = 60;  // [s] how long the coupler may take to appear and answer
 };
 
 /// What came back for a step. Exactly one of force, checkpoint and finish is set.
@@ -52,6 +52,11 @@ class Participant {
     /// Sends a mesh and waits for its MESH_ACK; verifies the checksum.
     void announce(Mesh mesh);
 
+    /// Particle solver: waits for the first SURFACE, which comes when every participant's meshes
+    /// are in (at most the larger of join_timeout and the deadline). Call it once, after announce()
+    /// and before the first PROBE; later ones arrive with wait_reply().
+    Surface wait_surface();
+
     /// Sends without waiting for the answer. The session number is filled in; n, t must be right.
     void send(State state);
     void send(Probe probe);
@@ -63,6 +68,8 @@ class Participant {
     /// Throws PeerError: E_TIMEOUT, E_PEER_LOST, E_SEQUENCE, E_SHAPE, E_NONFINITE, or the error the
     /// coupler sent (its code and text).
     StepReply wait_reply();
+    /// The same into a reply used before, whose force vector is reused (no allocation per step).
+    void wait_reply(StepReply& reply);
 
     /// [s] spent in wait_reply so far.
     double waited() const;

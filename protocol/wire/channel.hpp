@@ -1,0 +1,88 @@
+#pragma once
+// One ZeroMQ socket with time-outs everywhere: DEALER at the solver, ROUTER at the coupler. Moves
+// whole messages and notices when a connection breaks. Knows nothing of sessions.
+//
+// Every wait blocks in the system (no spinning: three spinning programs on two cores are hundreds
+// of times slower) and returns after a second at most, so that its caller can count silence.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <zmq.hpp>
+
+#include "wire/codec.hpp"
+#include "wire/messages.hpp"
+
+namespace undertow::wire {
+
+/// Larger frames close the connection: 16 million points in one frame.
+inline constexpr std::uint64_t default_max_message = std::uint64_t{512} << 20;  // [byte]
+
+/// A message as it came: sender, connection, frames. Reused from message to message.
+struct Packet {
+    std::string sender;   // routing id, only at a ROUTER
+    int connection = -1;  // file descriptor of the connection it came by
+    std::vector<zmq::message_t> frames;
+    std::size_t n_frames = 0;
+    std::uint64_t bytes = 0;
+};
+
+enum class Sent { yes, connection_lost, timed_out };
+
+class Channel {
+ public:
+    enum class End { solver, coupler };
+
+    /// Connects (solver) or binds (coupler). Throws PeerError E_IO when the address cannot be
+    /// bound.
+    Channel(End end, const std::string& endpoint, std::uint64_t max_message);
+    ~Channel();  // drops what has not been sent, unless linger() said otherwise
+    Channel(const Channel&) = delete;
+    Channel& operator=(const Channel&) = delete;
+
+    const std::string& endpoint() const { return endpoint_; }  // as bound: a port 0 is resolved
+
+    /// How long the destructor may wait for unsent messages.
+    void linger(double seconds);
+
+    /// Sends to `receiver` (a routing id; empty at a solver). Large arrays are not copied: their
+    /// vectors move into the frames.
+    Sent send(Message&& message, std::string_view receiver, double seconds);
+
+    /// Takes the next message if one is there; never waits. Frames beyond what any message has are
+    /// dropped, so that they fail the frame count.
+    bool receive(Packet& packet);
+
+    /// Waits for a message or a broken connection, at most `seconds` and at most one second.
+    /// Returns the time it counts as silence [s]: while this process itself was stopped (Ctrl-Z), a
+    /// peer could not be heard, so a long pause counts as one second.
+    double wait(double seconds);
+
+    /// Connections that broke since the last call, in order.
+    std::vector<int> take_broken();
+    /// A coupler's connection that has been accepted and is not broken.
+    bool is_open(int connection) const;
+    bool any_broken() const { return !broken_.empty(); }
+
+    std::uint64_t bytes_sent() const { return bytes_sent_; }
+    std::uint64_t bytes_received() const { return bytes_received_; }
+
+ private:
+    void drain_monitor();
+    bool send_frame(zmq::message_t& frame, bool more, double seconds, Sent& result);
+
+    zmq::context_t context_;
+    zmq::socket_t socket_;
+    zmq::socket_t monitor_;
+    End end_;
+    std::string endpoint_;
+    Frames frames_;  // of the message being sent
+    std::vector<int> open_, broken_;
+    std::uint64_t bytes_sent_ = 0, bytes_received_ = 0;
+};
+
+/// decode() of a packet's frames.
+void decode(const Packet& packet, Message& message);
+
+}  // namespace undertow::wire

@@ -1,0 +1,465 @@
+#include "wire/host.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+#include "wire/channel.hpp"
+#include "wire/codec.hpp"
+#include "wire/endpoint.hpp"
+#include "wire/errors.hpp"
+#include "wire/mesh_check.hpp"
+#include "wire/session.hpp"
+
+namespace undertow::wire {
+
+namespace {
+
+constexpr double finish_linger = 2.0;  // [s]
+constexpr double error_linger = 0.5;   // [s] for ERROR to leave; then the program ends anyway
+constexpr double stranger_patience =
+    0.2;  // [s] for a refusal to someone who is not part of the run
+
+std::uint64_t draw_session() {
+    std::random_device device;
+    std::uint64_t id = 0;
+    while (id == 0) id = std::uint64_t{device()} << 32 | device();
+    return id;
+}
+
+std::string in_seconds(double seconds) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g s", seconds);
+    return text;
+}
+
+std::string version_text(const std::array<int, 2>& version) {
+    return std::to_string(version[0]) + "." + std::to_string(version[1]);
+}
+
+bool is_name(const std::string& text) {
+    return !text.empty() && text.size() <= 64 &&
+           std::all_of(text.begin(), text.end(), [](unsigned char c) {
+               return (c < 0x80 && std::isalnum(c)) || c == '_' || c == '-' || c == '.';
+           });
+}
+
+/// One place of the run: a role that is expected, and the participant that fills it.
+struct Seat {
+    explicit Seat(const std::string& expected_role) : role(expected_role), session(expected_role) {}
+
+    std::string role;
+    Session session;
+    std::string name, software;  // empty name: nobody has come yet
+    std::string routing_id;
+    int connection = -1;
+    bool lost = false;
+    bool told = false;   // has got, or has sent, the error that ends the run
+    double silence = 0;  // [s] time listened without a word, while a message is due
+    std::vector<Mesh> meshes;
+
+    bool taken() const { return !name.empty(); }
+    bool waits_for_us() const {
+        return session.id() != 0 && session.phase() != Phase::closed && !is_due() && !lost;
+    }
+    bool is_due() const {  // the participant has to speak
+        return taken() && session.phase() != Phase::closed && session.turn() == Side::solver;
+    }
+};
+
+}  // namespace
+
+struct Host::Impl {
+    explicit Impl(const HostOptions& given)
+        : options(given),
+          lock(given.endpoint),
+          channel(Channel::End::coupler, given.endpoint,
+                  given.welcome.max_message ? given.welcome.max_message : default_max_message) {
+        Welcome& welcome = options.welcome;
+        if (welcome.session == 0) welcome.session = draw_session();
+        if (welcome.max_message == 0) welcome.max_message = default_max_message;
+        welcome.version = {version_major, version_minor};
+        welcome.deadline = options.deadline;
+        for (const std::string& role : options.expected_roles) seats.emplace_back(role);
+    }
+
+    HostOptions options;
+    EndpointLock lock;  // before the channel: taken first, released last
+    Channel channel;
+    std::vector<Seat> seats;
+    std::deque<Received> held;  // came while something else was awaited
+    Packet packet;
+    Message stray;  // of someone who is not part of the run
+    std::size_t n_seated = 0;
+    bool failed = false;
+
+    // ---------------------------------------------------------------- errors
+
+    /// Tells all who do not know yet, then throws.
+    [[noreturn]] void fail(const std::string& code, const std::string& text,
+                           const std::string& who) {
+        tell_all(code, text, who);
+        throw PeerError(code, text);
+    }
+
+    void tell_all(const std::string& code, const std::string& text,
+                  const std::string& who) noexcept {
+        failed = true;
+        try {
+            channel.linger(error_linger);
+            for (Seat& seat : seats) {
+                if (!seat.taken() || seat.lost || std::exchange(seat.told, true)) continue;
+                if (seat.session.phase() == Phase::closed) continue;
+                channel.send(
+                    Error{seat.session.id(), seat.session.step(), code, text.substr(0, 4000), who},
+                    seat.routing_id, error_linger);
+            }
+        } catch (...) {
+            // The run fails already, for the reason that could not be sent.
+        }
+    }
+
+    // ---------------------------------------------------------------- sending
+
+    void post(Seat& seat, Message&& message) {
+        set_session(message, options.welcome.session);
+        try {
+            seat.session.follow(Side::coupler, message);
+        } catch (const PeerError& error) {
+            throw std::logic_error("the coupler breaks the protocol toward " + seat.name + ": " +
+                                   error.what());
+        }
+        seat.silence = 0;
+        const std::string what = label(message);
+        switch (channel.send(std::move(message), seat.routing_id, options.deadline)) {
+            case Sent::yes:
+                return;
+            case Sent::connection_lost:
+                seat.lost = true;  // next() reads its last words, perhaps an ERROR, and tells
+                return;
+            case Sent::timed_out:
+                fail("E_TIMEOUT",
+                     seat.name + " took no " + what + " within " + in_seconds(options.deadline),
+                     seat.name);
+        }
+    }
+
+    // ---------------------------------------------------------------- receiving
+
+    /// Reads what is there until a message of the run has come into `received`. False: nothing
+    /// more.
+    bool read(Received& received) {
+        while (channel.receive(packet)) {
+            Seat* seat = find_seat();
+            if (!seat) {
+                answer_stranger();
+                continue;
+            }
+            seat->silence = 0;
+            if (accept(*seat, received.message)) {
+                received.participant = static_cast<std::size_t>(seat - seats.data());
+                return true;
+            }
+        }
+        return false;
+    }
+
+    Seat* find_seat() {
+        for (Seat& seat : seats) {
+            if (seat.taken() && seat.routing_id == packet.sender) return &seat;
+        }
+        return nullptr;
+    }
+
+    /// False when there is nothing to hand on (PROGRESS).
+    bool accept(Seat& seat, Message& message) {
+        try {
+            decode(packet, message);
+            if (const auto* error = std::get_if<Error>(&message)) {
+                seat.told = true;
+                fail(error->code, seat.name + ": " + error->text, seat.name);
+            }
+            seat.session.follow(Side::solver, message);
+        } catch (const PeerError& error) {
+            if (failed) throw;
+            fail(error.code, seat.name + " sent a wrong message: " + error.what(), seat.name);
+        }
+        return !std::holds_alternative<Progress>(message);
+    }
+
+    /// Connections that broke: whose were they?
+    void look_for_lost() {
+        for (const int connection : channel.take_broken()) {
+            for (Seat& seat : seats) {
+                if (seat.taken() && seat.connection == connection) seat.lost = true;
+            }
+        }
+    }
+
+    /// Next message, at most `seconds`; false when there is none, or when somebody has just joined.
+    /// Throws when a participant that has to speak is silent past `deadline`, and when one is lost
+    /// that has not said goodbye.
+    bool next(double seconds, double deadline, Received& received) {
+        const std::size_t seated_before = n_seated;
+        double waited = 0;
+        for (;;) {
+            if (read(received)) return true;
+            look_for_lost();
+            if (read(received)) return true;  // last words, sent before the connection broke
+            if (n_seated != seated_before) return false;
+            double longest = seconds - waited;
+            for (const Seat& seat : seats) {
+                if (seat.lost && seat.session.phase() != Phase::closed) {
+                    fail("E_PEER_LOST",
+                         seat.name + " vanished in step " + std::to_string(seat.session.step()) +
+                             "; see its log",
+                         seat.name);
+                }
+                if (!seat.is_due()) continue;
+                if (seat.silence >= deadline) {
+                    fail("E_TIMEOUT",
+                         seat.name + " has been silent for " + in_seconds(deadline) + " in step " +
+                             std::to_string(seat.session.step()) + " (" +
+                             name_of(seat.session.phase()) + ")",
+                         seat.name);
+                }
+                longest = std::min(longest, deadline - seat.silence);
+            }
+            if (longest <= 0) return false;
+            const double listened = channel.wait(longest);
+            waited += listened;
+            for (Seat& seat : seats) {
+                seat.silence += listened;
+                if (seat.waits_for_us() && seat.silence > options.deadline / 3) reassure(seat);
+            }
+        }
+    }
+
+    /// To a participant that waits for a slower one: we are alive, and watch the other's deadline.
+    void reassure(Seat& seat) {
+        post(seat, Progress{0, seat.session.step(), 0, "waiting for " + slow_ones()});
+    }
+
+    std::string slow_ones() const {
+        std::string names;
+        for (const Seat& seat : seats) {
+            if (seat.taken() && !seat.is_due()) continue;
+            names += (names.empty() ? "" : ", ") + (seat.taken() ? seat.name : seat.role);
+        }
+        return names;
+    }
+
+    // ---------------------------------------------------------------- joining
+
+    void refuse(const std::string& code, const std::string& text) {
+        channel.send(Error{0, 0, code, text, ""}, packet.sender, stranger_patience);
+    }
+
+    /// A message by someone without a seat: a HELLO takes one or is refused with the reason.
+    /// Whatever it is, it does not disturb the run.
+    void answer_stranger() {
+        try {
+            decode(packet, stray);
+        } catch (const PeerError& error) {
+            return refuse(error.code, error.what());
+        }
+        const auto* hello = std::get_if<Hello>(&stray);
+        if (!hello) {
+            if (std::holds_alternative<Error>(stray)) return;
+            return refuse("E_STATE", label(stray) + " came without a HELLO");
+        }
+        if (hello->protocol != protocol_name) {
+            return refuse("E_VERSION", "this coupler speaks the protocol '" +
+                                           std::string(protocol_name) + "', not '" +
+                                           hello->protocol + "'");
+        }
+        if (hello->version[0] != version_major) {
+            return refuse("E_VERSION", "this coupler speaks protocol " +
+                                           version_text(options.welcome.version) + ", " +
+                                           hello->name + " speaks " + version_text(hello->version));
+        }
+        if (!is_name(hello->name)) {
+            return refuse("E_INPUT",
+                          "a participant's name is 1 to 64 letters, digits, '_', '-', '.'");
+        }
+        if (hello->units != "SI") {
+            return refuse("E_INPUT", "units '" + hello->units + "' are not spoken here; use SI");
+        }
+        for (const Seat& seat : seats) {
+            if (seat.name == hello->name) {
+                return refuse("E_NAME_TAKEN", "a participant named '" + hello->name +
+                                                  "' has joined already; choose another name");
+            }
+        }
+        look_for_lost();  // so that is_open() below knows all events before this HELLO
+        const auto free = std::find_if(seats.begin(), seats.end(), [&](const Seat& seat) {
+            return !seat.taken() && seat.role == hello->role;
+        });
+        if (free != seats.end()) {
+            if (channel.is_open(packet.connection)) take_seat(*free, *hello);
+            return;
+        }
+        const bool known = std::any_of(seats.begin(), seats.end(),
+                                       [&](const Seat& seat) { return seat.role == hello->role; });
+        if (known)
+            refuse("E_LATE", "every place for role '" + hello->role + "' is taken");
+        else
+            refuse("E_INPUT", "role '" + hello->role + "' is not part of this run");
+    }
+
+    void take_seat(Seat& seat, const Hello& hello) {
+        seat.name = hello.name;
+        seat.software = hello.software;
+        seat.routing_id = packet.sender;
+        seat.connection = packet.connection;
+        Welcome welcome = options.welcome;
+        welcome.version[1] = std::min(version_minor, hello.version[1]);
+        ++n_seated;
+        seat.session.follow(Side::solver, hello);
+        post(seat, std::move(welcome));
+    }
+
+    bool all_seated() const {
+        return std::all_of(seats.begin(), seats.end(), [](const Seat& s) { return s.taken(); });
+    }
+
+    std::string missing() const {
+        std::string text, joined;
+        for (const Seat& seat : seats) {
+            std::string& list = seat.taken() ? joined : text;
+            list += (list.empty() ? "" : ", ") + (seat.taken() ? seat.name : seat.role);
+        }
+        return "nobody joined as " + text + (joined.empty() ? "" : " (joined: " + joined + ")");
+    }
+
+    // ---------------------------------------------------------------- meshes
+
+    void take_mesh(Seat& seat, Mesh&& mesh) {
+        try {
+            check_mesh(mesh, seat.role);
+        } catch (const PeerError& error) {
+            fail(error.code, seat.name + ": " + error.what(), seat.name);
+        }
+        post(seat, MeshAck{0, mesh.mesh, mesh.revision, checksum(mesh)});
+        seat.meshes.push_back(std::move(mesh));
+    }
+
+    /// Particles announce one mesh; the meshes of a surface are complete with its first STATE.
+    bool meshes_complete() const {
+        return std::all_of(seats.begin(), seats.end(), [](const Seat& seat) {
+            return seat.session.phase() == Phase::surface || seat.session.phase() == Phase::reply;
+        });
+    }
+
+    /// Takes one message while the run is being prepared: MESH is answered, everything else is held
+    /// back for the first steps. At most `seconds`.
+    void prepare(double seconds) {
+        Received received;
+        const double patience = std::max(options.join_timeout, options.deadline);
+        if (!next(seconds, patience, received)) return;
+        Seat& seat = seats[received.participant];
+        if (auto* mesh = std::get_if<Mesh>(&received.message))
+            take_mesh(seat, std::move(*mesh));
+        else
+            held.push_back(std::move(received));
+    }
+};
+
+// -------------------------------------------------------------------- the public face
+
+Host::Host(const HostOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Host::~Host() = default;
+
+const std::string& Host::endpoint() const {
+    return impl_->channel.endpoint();
+}
+
+void Host::wait_join() {
+    const auto start = std::chrono::steady_clock::now();
+    while (!impl_->all_seated()) {
+        const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+        const double left = impl_->options.join_timeout - waited.count();
+        if (left <= 0) {
+            impl_->fail("E_TIMEOUT",
+                        "within " + in_seconds(impl_->options.join_timeout) + " " +
+                            impl_->missing() + " at " + endpoint(),
+                        "");
+        }
+        impl_->prepare(left);
+    }
+}
+
+std::vector<std::vector<Mesh>> Host::wait_meshes() {
+    while (!impl_->meshes_complete()) impl_->prepare(impl_->options.deadline);
+    std::vector<std::vector<Mesh>> meshes;
+    for (Seat& seat : impl_->seats) meshes.push_back(std::move(seat.meshes));
+    return meshes;
+}
+
+Received Host::next() {
+    const bool somebody_is_due = std::any_of(impl_->seats.begin(), impl_->seats.end(),
+                                             [](const Seat& seat) { return seat.is_due(); });
+    if (impl_->held.empty() && !somebody_is_due) {
+        throw std::logic_error("next() would wait forever: every participant awaits an answer");
+    }
+    Received received;
+    while (!next_within(impl_->options.deadline, received)) {
+    }
+    return received;
+}
+
+bool Host::next_within(double seconds, Received& received) {
+    if (!impl_->held.empty()) {
+        received = std::move(impl_->held.front());
+        impl_->held.pop_front();
+        return true;
+    }
+    return impl_->next(seconds, impl_->options.deadline, received);
+}
+
+void Host::send(std::size_t participant, Message message) {
+    impl_->post(impl_->seats.at(participant), std::move(message));
+}
+
+void Host::broadcast_error(const std::string& code, const std::string& text,
+                           const std::string& who) noexcept {
+    impl_->tell_all(code, text, who);
+}
+
+void Host::finish(std::int64_t n, const std::string& reason) {
+    const auto dismiss = [&](Seat& seat) {
+        if (seat.session.phase() == Phase::reply) impl_->post(seat, Finish{0, n, reason});
+    };
+    for (Seat& seat : impl_->seats) dismiss(seat);
+    const auto all_gone = [&] {
+        return std::all_of(impl_->seats.begin(), impl_->seats.end(),
+                           [](const Seat& seat) { return seat.session.phase() == Phase::closed; });
+    };
+    Received received;
+    while (!all_gone()) {  // one that was still on its way to step n is dismissed when it arrives
+        if (next_within(impl_->options.deadline, received)) {
+            dismiss(impl_->seats[received.participant]);
+        }
+    }
+}
+
+const std::string& Host::name(std::size_t participant) const {
+    return impl_->seats.at(participant).name;
+}
+
+const std::string& Host::software(std::size_t participant) const {
+    return impl_->seats.at(participant).software;
+}
+
+std::uint64_t Host::bytes_sent() const {
+    return impl_->channel.bytes_sent();
+}
+
+std::uint64_t Host::bytes_received() const {
+    return impl_->channel.bytes_received();
+}
+
+}  // namespace undertow::wire

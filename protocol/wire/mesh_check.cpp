@@ -1,0 +1,78 @@
+#include "wire/mesh_check.hpp"
+
+#include "wire/errors.hpp"
+
+namespace undertow::wire {
+
+namespace {
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
+void check_particles(const Mesh& mesh) {
+    if (!(mesh.radius > 0)) {
+        throw PeerError("E_NONFINITE", "mesh " + mesh.mesh + ": the contact radius r = " +
+                                           number(mesh.radius) + " m must be > 0");
+    }
+    if (!mesh.x.empty() || !mesh.quad.empty()) {
+        throw PeerError("E_MESH", "mesh " + mesh.mesh +
+                                      ": particles announce no nodes and no facets; their places "
+                                      "come with PROBE and STATE");
+    }
+}
+
+void check_surface(const Mesh& mesh) {
+    const std::size_t n_nodes = mesh.mass.size();
+    const std::size_t n_facets = mesh.group.size();
+    if (n_nodes == 0 || n_facets == 0) {
+        throw PeerError("E_MESH", "mesh " + mesh.mesh + " has " + std::to_string(n_nodes) +
+                                      " nodes and " + std::to_string(n_facets) +
+                                      " facets; a surface needs both");
+    }
+    for (std::size_t a = 0; a < n_nodes; ++a) {
+        if (mesh.mass[a] > 0) continue;
+        throw PeerError("E_NONFINITE", "mesh " + mesh.mesh + ": the mass of node " +
+                                           std::to_string(a) + " is " + number(mesh.mass[a]) +
+                                           " kg; it must be > 0");
+    }
+    for (std::size_t i = 0; i < mesh.quad.size(); ++i) {
+        if (mesh.quad[i] >= 0 && static_cast<std::size_t>(mesh.quad[i]) < n_nodes) continue;
+        throw PeerError("E_MESH", "mesh " + mesh.mesh + ": facet " + std::to_string(i / 4) +
+                                      " names node " + std::to_string(mesh.quad[i]) +
+                                      ", but there are " + std::to_string(n_nodes));
+    }
+    for (std::size_t facet = 0; facet < n_facets; ++facet) {
+        const std::int32_t group = mesh.group[facet];
+        if (group >= 0 && static_cast<std::size_t>(group) < mesh.groups.size()) continue;
+        throw PeerError("E_MESH", "mesh " + mesh.mesh + ": facet " + std::to_string(facet) +
+                                      " belongs to group " + std::to_string(group) +
+                                      ", but there are " + std::to_string(mesh.groups.size()));
+    }
+}
+
+}  // namespace
+
+void check_mesh(const Mesh& mesh, const std::string& role) {
+    if (mesh.kind != role) {
+        throw PeerError("E_MESH", "mesh " + mesh.mesh + " is of kind '" + mesh.kind +
+                                      "', but the participant's role is '" + role + "'");
+    }
+    if (mesh.revision != 0) {
+        throw PeerError("E_MESH", "mesh " + mesh.mesh + " has revision " +
+                                      std::to_string(mesh.revision) +
+                                      "; this version takes revision 0 only");
+    }
+    if (mesh.thickness < 0) {
+        throw PeerError("E_MESH", "mesh " + mesh.mesh + ": the thickness " +
+                                      number(mesh.thickness) + " m must be >= 0");
+    }
+    if (role == "particles")
+        check_particles(mesh);
+    else
+        check_surface(mesh);
+}
+
+}  // namespace undertow::wire

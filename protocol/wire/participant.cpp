@@ -1,0 +1,285 @@
+#include "wire/participant.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "wire/channel.hpp"
+#include "wire/codec.hpp"
+#include "wire/endpoint.hpp"
+#include "wire/errors.hpp"
+#include "wire/session.hpp"
+
+namespace undertow::wire {
+
+namespace {
+
+constexpr double finish_linger = 2.0;  // [s] for BYE to leave
+constexpr double error_linger = 0.5;   // [s] for ERROR to leave; then the program ends anyway
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string in_seconds(double seconds) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g s", seconds);
+    return text;
+}
+
+}  // namespace
+
+struct Participant::Impl {
+    explicit Impl(const ParticipantOptions& given)
+        : options(given),
+          session(given.role),
+          channel(Channel::End::solver, given.endpoint, default_max_message) {}
+
+    ParticipantOptions options;
+    Session session;
+    Channel channel;
+    Welcome welcome;
+    Packet packet;
+    Message incoming;    // reused, so that a FORCE costs no allocation
+    double waited = 0;   // [s]
+    bool ended = false;  // one of the two sides has reported an error, or BYE has been said
+
+    // ---------------------------------------------------------------- sending
+
+    void post(Message&& message) {
+        set_session(message, session.id());
+        try {
+            session.follow(Side::solver, message);
+        } catch (const PeerError& error) {
+            throw std::logic_error(std::string("this program breaks the protocol: ") +
+                                   error.what());
+        }
+        const MessageType type = type_of(message);
+        switch (channel.send(std::move(message), {}, patience())) {
+            case Sent::yes:
+                return;
+            case Sent::timed_out:
+                throw PeerError("E_TIMEOUT", std::string("the coupler took no ") + name_of(type) +
+                                                 " within " + in_seconds(patience()));
+            case Sent::connection_lost:
+                lost();
+        }
+    }
+
+    double patience() const { return session.id() == 0 ? options.join_timeout : welcome.deadline; }
+
+    // ---------------------------------------------------------------- receiving
+
+    /// The next message that is neither PROGRESS nor ERROR, in `incoming`. `what` names, for the
+    /// time-out, what is missing.
+    void take(double seconds, const std::string& what) {
+        double silence = 0;
+        for (;;) {
+            if (channel.receive(packet)) {
+                accept();
+                if (std::holds_alternative<Progress>(incoming)) {
+                    silence = 0;  // the coupler vouches for a peer that computes long
+                    continue;
+                }
+                return;
+            }
+            if (channel.any_broken()) lost();
+            if (silence >= seconds) {
+                fail("E_TIMEOUT", "the coupler at " + options.endpoint + " sent no " + what +
+                                      " within " + in_seconds(seconds));
+            }
+            silence += channel.wait(seconds - silence);
+        }
+    }
+
+    void accept() {
+        try {
+            decode(packet, incoming);
+            if (const auto* error = std::get_if<Error>(&incoming)) raise(*error);
+            session.follow(Side::coupler, incoming);
+        } catch (const PeerError& error) {
+            if (ended) throw;
+            fail(error.code, std::string("the coupler's message is wrong: ") + error.what());
+        }
+    }
+
+    [[noreturn]] void raise(const Error& error) {
+        ended = true;
+        if (error.who == options.name) {
+            throw PeerError(error.code, "the coupler refuses: " + error.text);
+        }
+        throw PeerError(error.code,
+                        (error.who.empty() ? "coupler" : error.who) + ": " + error.text);
+    }
+
+    /// The connection is gone. The coupler may have said why before it left.
+    [[noreturn]] void lost() {
+        while (channel.receive(packet)) {
+            try {
+                decode(packet, incoming);
+            } catch (const PeerError&) {
+                continue;
+            }
+            if (const auto* error = std::get_if<Error>(&incoming)) raise(*error);
+        }
+        ended = true;
+        throw PeerError("E_PEER_LOST", "the coupler at " + options.endpoint + " vanished in step " +
+                                           std::to_string(session.step()) + "; see coupler.log");
+    }
+
+    [[noreturn]] void fail(const std::string& code, const std::string& text) {
+        report(code, text);
+        throw PeerError(code, text);
+    }
+
+    void report(const std::string& code, const std::string& text) noexcept {
+        if (std::exchange(ended, true)) return;
+        try {
+            channel.linger(error_linger);
+            channel.send(
+                Error{session.id(), session.step(), code, text.substr(0, 4000), options.name}, {},
+                error_linger);
+        } catch (...) {
+            // The run fails already, for the reason that could not be sent.
+        }
+    }
+
+    // ---------------------------------------------------------------- the hand-shake
+
+    void join() {
+        const auto start = Clock::now();
+        Hello hello;
+        hello.name = options.name;
+        hello.role = options.role;
+        hello.capabilities = options.capabilities;
+        hello.software = options.software;
+        session.follow(Side::solver, hello);
+        switch (channel.send(hello, {}, options.join_timeout)) {
+            case Sent::yes:
+                break;
+            case Sent::connection_lost:
+                lost();
+            case Sent::timed_out:
+                throw PeerError("E_TIMEOUT", "no coupler appeared at " + options.endpoint +
+                                                 " within " + in_seconds(options.join_timeout) +
+                                                 "; start it with this endpoint");
+        }
+        take(std::max(options.join_timeout - seconds_since(start), 0.1), "WELCOME");
+        welcome = std::get<Welcome>(incoming);
+        if (welcome.version[0] != version_major) {
+            fail("E_VERSION", "the coupler speaks protocol " + std::to_string(welcome.version[0]) +
+                                  "." + std::to_string(welcome.version[1]) + ", this program " +
+                                  std::to_string(version_major) + "." +
+                                  std::to_string(version_minor));
+        }
+    }
+};
+
+Participant::Participant(const ParticipantOptions& options) {
+    check_endpoint(options.endpoint);
+    if (options.role != "particles" && options.role != "surface") {
+        throw std::logic_error("role '" + options.role + "' is neither particles nor surface");
+    }
+    impl_ = std::make_unique<Impl>(options);
+    impl_->join();
+}
+
+Participant::~Participant() = default;
+Participant::Participant(Participant&&) noexcept = default;
+
+const Welcome& Participant::welcome() const {
+    return impl_->welcome;
+}
+
+void Participant::announce(Mesh mesh) {
+    const std::string name = mesh.mesh;
+    const std::string sum = checksum(mesh);
+    impl_->post(std::move(mesh));
+    impl_->take(impl_->welcome.deadline, "MESH_ACK");
+    const MeshAck& ack = std::get<MeshAck>(impl_->incoming);
+    if (ack.sum != sum) {
+        impl_->fail("E_MESH",
+                    "mesh " + name + " arrived with checksum " + ack.sum + " instead of " + sum);
+    }
+}
+
+Surface Participant::wait_surface() {
+    // The coupler sends it when every mesh is in, so it may wait for a slow peer's preparations.
+    impl_->take(std::max(impl_->options.join_timeout, impl_->welcome.deadline), "SURFACE");
+    return std::get<Surface>(std::move(impl_->incoming));
+}
+
+void Participant::send(State state) {
+    impl_->post(std::move(state));
+}
+
+void Participant::send(Probe probe) {
+    impl_->post(std::move(probe));
+}
+
+void Participant::send(CheckpointAck ack) {
+    impl_->post(std::move(ack));
+}
+
+void Participant::send(const Progress& progress) {
+    impl_->post(progress);
+}
+
+void Participant::wait_reply(StepReply& reply) {
+    const auto start = Clock::now();
+    reply.surface.reset();
+    reply.active.reset();
+    reply.checkpoint.reset();
+    reply.finish.reset();
+    for (;;) {
+        impl_->take(impl_->welcome.deadline, "FORCE");
+        Message& message = impl_->incoming;
+        if (auto* surface = std::get_if<Surface>(&message)) {
+            reply.surface = std::move(*surface);
+            continue;
+        }
+        if (auto* active = std::get_if<Active>(&message)) {
+            reply.active = std::move(*active);
+            continue;
+        }
+        if (auto* force = std::get_if<Force>(&message)) {
+            if (reply.force)
+                std::swap(*reply.force, *force);  // both keep their buffers
+            else
+                reply.force = std::move(*force);
+            break;
+        }
+        reply.force.reset();
+        if (auto* checkpoint = std::get_if<Checkpoint>(&message))
+            reply.checkpoint = *checkpoint;
+        else
+            reply.finish = std::get<Finish>(message);
+        break;
+    }
+    impl_->waited += seconds_since(start);
+}
+
+StepReply Participant::wait_reply() {
+    StepReply reply;
+    wait_reply(reply);
+    return reply;
+}
+
+double Participant::waited() const {
+    return impl_->waited;
+}
+
+void Participant::say_goodbye(std::int64_t n) {
+    impl_->channel.linger(finish_linger);
+    impl_->post(Bye{0, n});
+    impl_->ended = true;
+}
+
+void Participant::report_error(const std::string& code, const std::string& text) noexcept {
+    impl_->report(code, text);
+}
+
+}  // namespace undertow::wire

@@ -1,0 +1,142 @@
+// Two solvers and a coupler, each in its thread, run a short session over a real socket.
+
+#include <catch2/catch.hpp>
+#include <future>
+
+#include "peers.hpp"
+#include "wire/errors.hpp"
+
+using namespace undertow;
+using namespace undertow::wire;
+
+namespace {
+
+struct SolverRecord {
+    std::vector<double> times;        // t1 of each step
+    std::vector<double> forces;       // first number of each f
+    std::vector<std::size_t> rows;    // of each f
+    std::size_t surfaces = 0;
+    std::string reason;
+};
+
+SolverRecord run_surface_solver(const std::string& endpoint) {
+    Participant link(surface_options(endpoint));
+    link.announce(square_mesh());
+    SolverRecord record;
+    double t = link.welcome().t0;
+    StepReply reply;
+    for (std::int64_t n = link.welcome().first_step;; ++n) {
+        link.send(state_of(n, t, 4));
+        link.wait_reply(reply);
+        if (reply.finish) {
+            record.reason = reply.finish->reason;
+            link.say_goodbye(n);
+            return record;
+        }
+        t = reply.force->t1;
+        record.times.push_back(t);
+        record.forces.push_back(reply.force->f.at(0));
+        record.rows.push_back(reply.force->f.size() / 3);
+    }
+}
+
+SolverRecord run_particle_solver(const std::string& endpoint) {
+    Participant link(particle_options(endpoint));
+    link.announce(particle_mesh());
+    SolverRecord record;
+    REQUIRE(link.wait_surface().boxes.size() == 6);
+    double t = link.welcome().t0;
+    bool probe = true;
+    std::size_t n_active = 0;
+    for (std::int64_t n = link.welcome().first_step;; ++n) {
+        if (probe) link.send(probe_of(n, t, 10));
+        else link.send(state_of(n, t, n_active));
+        const StepReply reply = link.wait_reply();
+        record.surfaces += reply.surface.has_value();
+        if (reply.finish) {
+            record.reason = reply.finish->reason;
+            link.say_goodbye(n);
+            return record;
+        }
+        if (reply.active) n_active = reply.active->row.size();
+        t = reply.force->t1;
+        probe = (reply.force->flags & force_probe) != 0;
+        record.times.push_back(t);
+        record.rows.push_back(reply.force->f.size() / 3);
+    }
+}
+
+/// Every third step asks for a PROBE, which is then answered with n % 5 active particles.
+void run_coupler(Host& host, std::int64_t n_steps) {
+    host.wait_join();
+    const auto meshes = host.wait_meshes();
+    REQUIRE(meshes.at(0).at(0).mesh == "fluid");
+    REQUIRE(meshes.at(1).at(0).mass.size() == 4);
+    Surface surface;
+    surface.range = 0.01;
+    surface.x = meshes[1][0].x;
+    surface.quad = meshes[1][0].quad;
+    surface.boxes = {0, 0, 0, 1, 1, 1};
+    host.send(0, surface);
+    double t = 0;
+    std::size_t n_active = 0;
+    for (std::int64_t n = 0;; ++n) {
+        double dt = 1;
+        bool probed = false;
+        for (int i = 0; i < 2; ++i) {
+            const Received received = host.next();
+            if (const auto* probe = std::get_if<Probe>(&received.message)) {
+                REQUIRE(received.participant == 0);
+                REQUIRE(probe->id.at(9) == 109);
+                dt = std::min(dt, probe->dt_limit);
+                probed = true;
+            } else {
+                const State& state = std::get<State>(received.message);
+                REQUIRE(state.n == n);
+                dt = std::min(dt, state.dt_limit);
+            }
+        }
+        if (n == n_steps) return host.finish(n, "done");
+        const std::uint32_t flags = n % 3 == 2 ? std::uint32_t{force_probe} : 0;
+        if (probed) {
+            Active active{0, n, {}};
+            n_active = static_cast<std::size_t>(n % 5);
+            for (std::size_t i = 0; i < n_active; ++i) active.row.push_back(std::uint32_t(2 * i));
+            host.send(0, active);
+        }
+        if (flags) {
+            surface.n = n;
+            host.send(0, surface);
+        }
+        host.send(0, force_of(n, t, dt, n_active, 0, flags));
+        host.send(1, force_of(n, t, dt, 4, double(n)));
+        t = t + dt;
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a full session: two peers advance by the smaller step and end in good order") {
+    const std::string transport = GENERATE("ipc", "tcp");
+    const TemporaryFolder folder;
+    Host host(host_options(transport == "ipc" ? folder.endpoint() : "tcp://127.0.0.1:0"));
+    const std::string endpoint = host.endpoint();
+    auto surface = std::async(std::launch::async, run_surface_solver, endpoint);
+    auto particles = std::async(std::launch::async, run_particle_solver, endpoint);
+    run_coupler(host, 20);
+    const SolverRecord fem = surface.get();
+    const SolverRecord sph = particles.get();
+    CHECK(fem.reason == "done");
+    CHECK(sph.reason == "done");
+    REQUIRE(fem.times.size() == 20);
+    CHECK(fem.times == sph.times);
+    CHECK(fem.times[0] == 1e-3);
+    CHECK(fem.forces[19] == 19);
+    CHECK(sph.surfaces == 6);          // steps 2, 5, ..., 17
+    CHECK(sph.rows[0] == 0);
+    CHECK(sph.rows[3] == 3);           // probed at step 3
+    CHECK(sph.rows[5] == 3);
+    CHECK(sph.rows[6] == 1);
+    CHECK(host.name(0) == "sph");
+    CHECK(host.bytes_sent() > 0);
+}
