@@ -35,6 +35,8 @@ class ParticleFile {
     std::vector<double> times_;
     std::vector<std::int64_t> counts_;
     std::vector<std::array<std::string, 3>> layout_;   // name, unit, components
+    std::int64_t parts_ = 0;           // topologies written; a new one when the number changes
+    std::int64_t part_start_ = 0;      // where the latest one starts
 };
 
 /// A mesh with fixed connectivity (8-node hexahedra, VTK ordering); positions move.

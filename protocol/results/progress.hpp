@@ -2,6 +2,7 @@
 // The live line: rewritten twice a second on a terminal, one line per 30 s otherwise.
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace undertow {
@@ -29,12 +30,15 @@ class ProgressLine {
     void finish(const ProgressFigures& figures);
 
  private:
+    void measure(const ProgressFigures& figures, double now);
+
     bool quiet_, terminal_;
     std::string status_file_;
-    double start_ = 0, last_line_ = 0, last_status_ = 0;
+    double start_ = 0, last_line_ = 0, last_status_ = 0;              // [s] wall clock
     double rate_t_ = 0;              // smoothed simulated seconds per wall second
+    double particle_rate_ = 0, element_rate_ = 0;                     // [1/s] smoothed
+    double eta_ = std::numeric_limits<double>::infinity();            // [s]
     double last_t_ = 0, last_wall_ = 0, last_particle_steps_ = 0, last_element_steps_ = 0;
-    std::size_t width_ = 0;
 };
 
 }  // namespace undertow

@@ -1,0 +1,216 @@
+// A resolved case as JSON, for scripts: they never re-implement the rules of the reader.
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "case/resolved_case.hpp"
+
+namespace undertow {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+const char* name(Kernel v) {
+    return v == Kernel::cubic_spline ? "cubic_spline" : "wendland_c2";
+}
+const char* name(EquationOfState v) {
+    return v == EquationOfState::us_up ? "us_up" : "tait";
+}
+const char* name(Slip v) {
+    return v == Slip::free_slip ? "free" : "no_slip";
+}
+const char* name(StiffnessLaw v) {
+    return v == StiffnessLaw::fluid ? "fluid" : "eq11";
+}
+const char* name(FrictionLaw v) {
+    return v == FrictionLaw::coulomb ? "coulomb" : "viscous";
+}
+const char* name(Integrator v) {
+    return v == Integrator::automatic  ? "auto"
+           : v == Integrator::one_pass ? "one_pass"
+                                       : "two_pass";
+}
+const char* name(SphGaugeKind v) {
+    return v == SphGaugeKind::front      ? "front"
+           : v == SphGaugeKind::pressure ? "pressure"
+                                         : "water_level";
+}
+
+}  // namespace
+
+// Found by argument-dependent lookup: nlohmann turns vectors of these into arrays by itself.
+void to_json(Json& j, const Box& v) {
+    j = {{"min", v.min}, {"max", v.max}};
+}
+
+void to_json(Json& j, const Fluid& v) {
+    j = {{"name", v.name},
+         {"density", v.density},
+         {"viscosity", v.viscosity},
+         {"equation_of_state", name(v.equation_of_state)},
+         {"sound_speed", v.sound_speed ? Json(*v.sound_speed) : Json("auto")},
+         {"hugoniot_slope", v.hugoniot_slope},
+         {"gruneisen", v.gruneisen},
+         {"tait_exponent", v.tait_exponent}};
+}
+
+void to_json(Json& j, const Fill& v) {
+    j = {{"fluid", v.fluid},
+         {"box", v.box},
+         {"velocity", v.velocity},
+         {"surface_level", v.surface_level ? Json(*v.surface_level) : Json(nullptr)}};
+}
+
+void to_json(Json& j, const PlaneWall& v) {
+    j = {{"name", v.name}, {"point", v.point}, {"normal", v.normal}, {"slip", name(v.slip)}};
+}
+
+void to_json(Json& j, const PlateWall& v) {
+    j = {{"name", v.name},   {"box", v.box},           {"velocity", v.velocity},
+         {"start", v.start}, {"stop", number(v.stop)}, {"slip", name(v.slip)}};
+}
+
+void to_json(Json& j, const SphGauge& v) {
+    j = {{"name", v.name},
+         {"kind", name(v.kind)},
+         {"point", v.point},
+         {"direction", v.direction},
+         {"every", v.every}};
+}
+
+void to_json(Json& j, const SphSettings& v) {
+    j = {{"spacing", v.spacing},
+         {"kernel", name(v.kernel)},
+         {"smoothing_ratio", v.smoothing_ratio},
+         {"density_diffusion", v.density_diffusion},
+         {"artificial_viscosity", v.artificial_viscosity},
+         {"gradient_correction", v.gradient_correction},
+         {"integrator", name(v.integrator)},
+         {"cfl", v.cfl},
+         {"force_cfl", v.force_cfl},
+         {"max_speed", v.max_speed},
+         {"domain", v.domain ? Json(*v.domain) : Json(nullptr)},
+         {"fluid", v.fluid},
+         {"fill", v.fill},
+         {"plane", v.plane},
+         {"plate", v.plate},
+         {"gauge", v.gauge}};
+}
+
+void to_json(Json& j, const FemBlock& v) {
+    j = {{"box", v.box}, {"divisions", v.divisions}};
+}
+void to_json(Json& j, const FemMaterial& v) {
+    j = {{"name", v.name},
+         {"kind", "linear_elastic"},
+         {"density", v.density},
+         {"young_modulus", v.young_modulus},
+         {"poisson_ratio", v.poisson_ratio}};
+}
+void to_json(Json& j, const FemPart& v) {
+    j = {{"set", v.set}, {"material", v.material}};
+}
+void to_json(Json& j, const FemSupport& v) {
+    j = {{"set", v.set}, {"fix", v.fix}};
+}
+void to_json(Json& j, const FemPressure& v) {
+    j = {{"set", v.set}, {"value", v.value}, {"ramp", v.ramp}};
+}
+void to_json(Json& j, const FemSurface& v) {
+    j = {{"name", v.name}, {"set", v.set}};
+}
+void to_json(Json& j, const FemProbe& v) {
+    j = {{"name", v.name}, {"point", v.point}};
+}
+
+void to_json(Json& j, const FemSettings& v) {
+    j = {{"mesh", v.mesh},
+         {"block", v.block ? Json(*v.block) : Json(nullptr)},
+         {"cfl", v.cfl},
+         {"damping_alpha", v.damping_alpha},
+         {"bulk_viscosity_linear", v.bulk_viscosity_linear},
+         {"bulk_viscosity_quadratic", v.bulk_viscosity_quadratic},
+         {"material", v.material},
+         {"part", v.part},
+         {"support", v.support},
+         {"pressure", v.pressure},
+         {"surface", v.surface},
+         {"probe", v.probe}};
+}
+
+void to_json(Json& j, const PressurePatch& v) {
+    j = {{"name", v.name}, {"box", v.box}, {"area", v.area}, {"window", v.window}};
+}
+
+void to_json(Json& j, const CouplingSettings& v) {
+    j = {{"law", name(v.law)},
+         {"stiffness_factor", v.stiffness_factor},
+         {"beta", v.beta},
+         {"damping", v.damping},
+         {"friction", v.friction},
+         {"friction_law", name(v.friction_law)},
+         {"viscous_coefficient", v.viscous_coefficient},
+         {"skin", v.skin},
+         {"transport", v.transport},
+         {"deadline", v.deadline},
+         {"join_timeout", v.join_timeout},
+         {"patch", v.patch}};
+}
+
+void to_json(Json& j, const Node& v) {
+    switch (v.kind) {
+        case Node::Kind::table:
+            j = Json::object();
+            for (const auto& [key, value] : v.members) j[key] = value;
+            break;
+        case Node::Kind::array:
+            j = v.items;
+            break;
+        case Node::Kind::text:
+            j = v.text;
+            break;
+        case Node::Kind::integer:
+            j = v.integer;
+            break;
+        case Node::Kind::number:
+            j = number(v.number);
+            break;
+        case Node::Kind::flag:
+            j = v.flag;
+            break;
+    }
+}
+
+std::string case_json(const ResolvedCase& resolved) {
+    const Case& c = resolved.values;
+    Json j;
+    j["file"] = c.file;
+    j["folder"] = c.folder;
+    j["coupled"] = resolved.coupled;
+    j["known_levels"] = resolved.levels;
+    j["known_variants"] = resolved.variants;
+    j["case"] = {{"name", c.info.name},
+                 {"title", c.info.title},
+                 {"dimension", c.info.dimension},
+                 {"thickness", c.info.thickness},
+                 {"gravity", c.info.gravity}};
+    j["time"] = {{"end", c.time.end},
+                 {"max_step", number(c.time.max_step)},
+                 {"min_step", c.time.min_step},
+                 {"growth", c.time.growth}};
+    j["output"] = {{"fields_every", c.output.fields_every},
+                   {"history_every", c.output.history_every}};
+    j["sph"] = c.sph.present ? Json(c.sph) : Json(nullptr);
+    j["fem"] = c.fem.present ? Json(c.fem) : Json(nullptr);
+    j["coupling"] = resolved.coupled ? Json(c.coupling) : Json(nullptr);
+    j["backend"] = resolved.backend;
+    j["report"] = resolved.report;
+    return j.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace undertow

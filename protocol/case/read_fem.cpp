@@ -1,0 +1,127 @@
+// [fem] with its mesh, materials, parts, supports, loads, surfaces and probes.
+
+#include <cmath>
+#include <filesystem>
+
+#include "case/sections.hpp"
+
+namespace undertow {
+
+namespace {
+
+const std::vector<std::string> block_facets{"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
+
+std::vector<std::string> with(std::vector<std::string> names, const char* more) {
+    names.emplace_back(more);
+    return names;
+}
+
+/// A set's name. Those of a block are known here; those of a mesh file only to the FEM solver.
+void read_set(TableReader& reader, std::string& set, const FemSettings& fem,
+              const std::vector<std::string>& of_block) {
+    reader.require("set", "the name of a set of the mesh");
+    if (fem.block)
+        reader.word("set", set, of_block);
+    else
+        reader.text("set", set);
+}
+
+void read_block(TableReader& reader, FemBlock& block, const CaseInfo& info) {
+    reader.require("box", "the box { min, max } of the block");
+    reader.require("divisions", "the number of elements [x, y, z]");
+    reader.box("box", block.box);
+    reader.divisions("divisions", block.divisions);
+    if (info.dimension != 2) return;
+    if (reader.has("divisions") && block.divisions[1] != 1)
+        reader.reject("divisions",
+                      "is not allowed: a 2D case has one element out of plane, [x, 1, z].");
+    const double depth = block.box.max[1] - block.box.min[1];
+    if (reader.has("box") && std::abs(depth - info.thickness) > 1e-9 * info.thickness)
+        reader.reject("box",
+                      "does not fit: its y extent must equal case.thickness, because contact "
+                      "forces of a 2D case are scaled by it.");
+}
+
+void read_material(TableReader& reader, FemMaterial& material) {
+    reader.require("name", "a word that parts refer to");
+    reader.require("density", "the density in kg/m3");
+    reader.require("young_modulus", "Young's modulus in Pa");
+    reader.require("poisson_ratio", "Poisson's ratio");
+    reader.text("name", material.name);
+    reader.choice<MaterialKind>("kind", material.kind,
+                                {{"linear_elastic", MaterialKind::linear_elastic}});
+    reader.number("density", material.density, positive("kg/m3"));
+    reader.number("young_modulus", material.young_modulus, positive("Pa"));
+    reader.number("poisson_ratio", material.poisson_ratio, between(-1, 0.5));
+}
+
+void read_mesh(TableReader& reader, FemSettings& fem, const CaseInfo& info,
+               const std::string& folder) {
+    reader.text("mesh", fem.mesh);
+    FemBlock block;
+    if (reader.table("block", [&](TableReader& entry) { read_block(entry, block, info); }))
+        fem.block = block;
+    if (fem.block && !fem.mesh.empty())
+        reader.reject("mesh",
+                      "is one mesh too many: the case has [fem.block] as well; keep one of "
+                      "the two.");
+    if (!fem.block && fem.mesh.empty())
+        reader.require("block", "[fem.block] or mesh = \"FILE.msh\"");
+    if (!fem.mesh.empty() &&
+        !std::filesystem::is_regular_file(std::filesystem::path(folder) / fem.mesh))
+        reader.reject("mesh", "does not exist: the path is taken from the case file's folder, " +
+                                  (folder.empty() ? std::string(".") : folder) + ".");
+}
+
+}  // namespace
+
+void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
+              const std::string& folder) {
+    fem.present = true;
+    read_mesh(reader, fem, info, folder);
+    reader.require("material", "at least one [[fem.material]]");
+    reader.require("part", "at least one [[fem.part]]");
+    reader.number("cfl", fem.cfl, above_up_to(0, 1));
+    reader.number("damping_alpha", fem.damping_alpha, at_least(0, "1/s"));
+    reader.number("bulk_viscosity_linear", fem.bulk_viscosity_linear, at_least(0));
+    reader.number("bulk_viscosity_quadratic", fem.bulk_viscosity_quadratic, at_least(0));
+
+    reader.tables("material",
+                  [&](TableReader& entry) { read_material(entry, fem.material.emplace_back()); });
+    std::vector<std::string> materials;
+    for (const FemMaterial& material : fem.material) materials.push_back(material.name);
+    reader.tables("part", [&](TableReader& entry) {
+        FemPart& part = fem.part.emplace_back();
+        read_set(entry, part.set, fem, {"block"});
+        entry.require("material", "the name of a [[fem.material]]");
+        entry.word("material", part.material, materials);
+    });
+    reader.tables("support", [&](TableReader& entry) {
+        FemSupport& support = fem.support.emplace_back();
+        read_set(entry, support.set, fem, with(block_facets, "block"));
+        entry.require("fix", "a list of \"x\", \"y\", \"z\"");
+        entry.words("fix", support.fix, {"x", "y", "z"});
+    });
+    reader.tables("pressure", [&](TableReader& entry) {
+        FemPressure& pressure = fem.pressure.emplace_back();
+        read_set(entry, pressure.set, fem, block_facets);
+        entry.require("value", "the pressure in Pa");
+        entry.number("value", pressure.value, any("Pa"));
+        entry.number("ramp", pressure.ramp, at_least(0, "s"));
+    });
+    reader.tables("surface", [&](TableReader& entry) {
+        FemSurface& surface = fem.surface.emplace_back();
+        entry.require("name", "a word that names its force");
+        entry.text("name", surface.name);
+        read_set(entry, surface.set, fem, block_facets);
+    });
+    reader.tables("probe", [&](TableReader& entry) {
+        FemProbe& probe = fem.probe.emplace_back();
+        entry.require("name", "a word for its columns");
+        entry.require("point", "a point [x, y, z] of the undeformed mesh");
+        entry.text("name", probe.name);
+        entry.vector("point", probe.point, "m");
+    });
+}
+
+}  // namespace undertow

@@ -1,0 +1,17 @@
+#pragma once
+// One function per top-level table of a case. Each checks its own keys; rules that span tables are
+// in case_file.cpp.
+
+#include "case/table_reader.hpp"
+
+namespace undertow {
+
+void read_info(TableReader& reader, CaseInfo& info);
+void read_time(TableReader& reader, TimeSettings& time);
+void read_output(TableReader& reader, OutputSettings& output);
+void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info);
+void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
+              const std::string& folder);
+void read_coupling(TableReader& reader, CouplingSettings& coupling);
+
+}  // namespace undertow

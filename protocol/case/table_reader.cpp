@@ -1,0 +1,260 @@
+#include "case/table_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "case/nearest.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow {
+
+namespace {
+
+std::string short_number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.10g", value);
+    return text;
+}
+
+std::string with_unit(double value, const char* unit) {
+    return short_number(value) + (*unit ? " " : "") + unit;
+}
+
+/// "> 0 m", "between 0 and 1", ...
+std::string range_text(const Range& range) {
+    const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
+    if (low && high) {
+        std::string text =
+            "between " + short_number(range.low) + " and " + with_unit(range.high, range.unit);
+        if (range.low_open && range.high_open) return text + ", both excluded";
+        if (range.low_open) return text + ", " + short_number(range.low) + " excluded";
+        return text;
+    }
+    if (low) return (range.low_open ? "> " : ">= ") + with_unit(range.low, range.unit);
+    if (high) return (range.high_open ? "< " : "<= ") + with_unit(range.high, range.unit);
+    return "a finite number";
+}
+
+bool within(double value, const Range& range) {
+    if (std::isnan(value) || (std::isinf(value) && !range.infinite)) return false;
+    return (range.low_open ? value > range.low : value >= range.low) &&
+           (range.high_open ? value < range.high : value <= range.high);
+}
+
+bool is_number(const Node& node) {
+    return node.is(Node::Kind::integer) || node.is(Node::Kind::number);
+}
+
+bool is_false(const Node& node) {
+    return node.is(Node::Kind::flag) && !node.flag;
+}
+
+}  // namespace
+
+bool TableReader::has(const std::string& key) const {
+    return table_.find(key) != nullptr;
+}
+
+bool TableReader::has_text(const std::string& key) const {
+    const Node* node = table_.find(key);
+    return node && node->is(Node::Kind::text);
+}
+
+bool TableReader::has_table(const std::string& key) const {
+    const Node* node = table_.find(key);
+    return node && node->is(Node::Kind::table);
+}
+
+const Node* TableReader::find(const std::string& key) {
+    known_.push_back(key);
+    return table_.find(key);
+}
+
+void TableReader::reject(const std::string& key, const std::string& what) const {
+    const Node* node = table_.find(key);
+    const std::string name = path_.empty() ? key : path_ + "." + key;
+    if (!node) throw InputError(table_.place + ": " + name + " " + what);
+    throw InputError(node->place + ": " + name + " = " + value_text(*node) + " " + what);
+}
+
+void TableReader::number(const std::string& key, double& target, const Range& range) {
+    const Node* node = find(key);
+    if (!node) return;
+    if (!is_number(*node)) reject(key, "is " + kind_name(*node) + ": a number is expected.");
+    if (!within(node->number, range))
+        reject(key, "is not allowed: it must be " + range_text(range) + ".");
+    target = node->number;
+}
+
+void TableReader::whole(const std::string& key, int& target, int low, int high) {
+    const Node* node = find(key);
+    if (!node) return;
+    if (!node->is(Node::Kind::integer))
+        reject(key, "is " + kind_name(*node) + ": an integer is expected.");
+    if (node->integer < low || node->integer > high)
+        reject(key, "is not allowed: it must be " + std::to_string(low) + " to " +
+                        std::to_string(high) + ".");
+    target = static_cast<int>(node->integer);
+}
+
+void TableReader::flag(const std::string& key, bool& target) {
+    const Node* node = find(key);
+    if (!node) return;
+    if (!node->is(Node::Kind::flag))
+        reject(key, "is " + kind_name(*node) + ": true or false is expected.");
+    target = node->flag;
+}
+
+void TableReader::text(const std::string& key, std::string& target) {
+    const Node* node = find(key);
+    if (!node) return;
+    if (!node->is(Node::Kind::text))
+        reject(key, "is " + kind_name(*node) + ": a string in quotes is expected.");
+    if (node->text.empty()) reject(key, "is empty: a text is expected.");
+    target = node->text;
+}
+
+void TableReader::vector(const std::string& key, Vec3& target, const char* unit) {
+    const Node* node = find(key);
+    if (!node) return;
+    const bool three = node->is(Node::Kind::array) && node->items.size() == 3 &&
+                       std::all_of(node->items.begin(), node->items.end(), [](const Node& item) {
+                           return is_number(item) && std::isfinite(item.number);
+                       });
+    if (!three)
+        reject(key, std::string("is not a vector: three finite numbers [x, y, z]") +
+                        (*unit ? " in " : "") + unit + " are expected.");
+    for (std::size_t axis = 0; axis < 3; ++axis) target[axis] = node->items[axis].number;
+}
+
+void TableReader::direction(const std::string& key, Vec3& target) {
+    vector(key, target, "");
+    const double length = std::hypot(target[0], target[1], target[2]);
+    if (length == 0) reject(key, "has no direction: at least one component must differ from 0.");
+    for (double& component : target) component /= length;
+}
+
+void TableReader::divisions(const std::string& key, std::array<int, 3>& target) {
+    const Node* node = find(key);
+    if (!node) return;
+    const bool three =
+        node->is(Node::Kind::array) && node->items.size() == 3 &&
+        std::all_of(node->items.begin(), node->items.end(), [](const Node& item) {
+            return item.is(Node::Kind::integer) && item.integer >= 1 && item.integer <= 100000;
+        });
+    if (!three)
+        reject(key, "is not allowed: three integers of 1 to 100000 [x, y, z] are expected.");
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        target[axis] = static_cast<int>(node->items[axis].integer);
+}
+
+void TableReader::box(const std::string& key, Box& target, const std::string& axes) {
+    table(key, [&](TableReader& reader) {
+        reader.require("min", "[x, y, z], its lower corner");
+        reader.require("max", "[x, y, z], its upper corner");
+        reader.vector("min", target.min, "m");
+        reader.vector("max", target.max, "m");
+        reader.finish();
+        for (const char axis : axes) {
+            const auto k = static_cast<std::size_t>(axis - 'x');
+            if (target.max[k] <= target.min[k])
+                reader.reject("max", std::string("is not allowed: its ") + axis + " must be > " +
+                                         with_unit(target.min[k], "m") + ", the " + axis +
+                                         " of min.");
+        }
+    });
+}
+
+void TableReader::word(const std::string& key, std::string& target,
+                       const std::vector<std::string>& known) {
+    const Node* node = find(key);
+    if (!node) return;
+    if (!node->is(Node::Kind::text))
+        reject(key, "is " + kind_name(*node) + ": one of " + list_text(known) + " is expected.");
+    if (std::find(known.begin(), known.end(), node->text) == known.end())
+        reject(key,
+               "is not known: allowed are " + list_text(known) + did_you_mean(node->text, known));
+    target = node->text;
+}
+
+void TableReader::words(const std::string& key, std::vector<std::string>& target,
+                        const std::vector<std::string>& known) {
+    const Node* node = find(key);
+    if (!node) return;
+    if (!node->is(Node::Kind::array) || node->items.empty())
+        reject(key, "is not allowed: a list of " + list_text(known) + " is expected.");
+    target.clear();
+    for (const Node& item : node->items) {
+        if (!item.is(Node::Kind::text) ||
+            std::find(known.begin(), known.end(), item.text) == known.end())
+            reject(key, "holds " + value_text(item) + ": allowed are " + list_text(known) +
+                            did_you_mean(item.text, known));
+        target.push_back(item.text);
+    }
+}
+
+bool TableReader::table(const std::string& key, const std::function<void(TableReader&)>& read) {
+    const Node* node = find(key);
+    if (!node || is_false(*node)) return false;
+    if (!node->is(Node::Kind::table))
+        reject(key, "is " + kind_name(*node) + ": a table is expected" +
+                        (node->is(Node::Kind::array) ? " (single brackets, [" + key + "])." : "."));
+    TableReader reader(*node, path_.empty() ? key : path_ + "." + key);
+    read(reader);
+    reader.finish();
+    return true;
+}
+
+std::string TableReader::sub_path(const Node& item, const std::string& key,
+                                  std::size_t index) const {
+    const Node* name = item.find("name");
+    return path_ + "." + key + "." +
+           (name && name->is(Node::Kind::text) ? name->text : std::to_string(index));
+}
+
+void TableReader::tables(const std::string& key, const std::function<void(TableReader&)>& read) {
+    const Node* node = find(key);
+    if (!node || is_false(*node)) return;
+    const bool all_tables =
+        node->is(Node::Kind::array) &&
+        std::all_of(node->items.begin(), node->items.end(),
+                    [](const Node& item) { return item.is(Node::Kind::table); });
+    if (!all_tables)
+        reject(key, "is " + kind_name(*node) +
+                        ": an array of tables is expected (double brackets, [[" + path_ + "." +
+                        key + "]]).");
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < node->items.size(); ++i) {
+        const Node& item = node->items[i];
+        TableReader reader(item, sub_path(item, key, i));
+        read(reader);
+        reader.finish();
+        const Node* name = item.find("name");
+        if (!name) continue;
+        if (std::find(names.begin(), names.end(), name->text) != names.end())
+            reader.reject("name",
+                          "is taken: every [[" + path_ + "." + key + "]] needs a name of its own.");
+        names.push_back(name->text);
+    }
+}
+
+void TableReader::require(const std::string& key, const std::string& what) {
+    required_.emplace_back(key, what);
+}
+
+void TableReader::finish() const {
+    const std::string owner = path_.empty() ? "a case" : "[" + path_ + "]";
+    for (const auto& [key, value] : table_.members) {
+        if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+        throw InputError(value.key_place + ": " + (path_.empty() ? key : path_ + "." + key) +
+                         " = " + value_text(value) + " is not a key of " + owner +
+                         ": allowed are " + list_text(known_) + did_you_mean(key, known_));
+    }
+    for (const auto& [key, what] : required_)
+        if (const Node* node = table_.find(key); !node || is_false(*node))
+            throw InputError(table_.place + ": " + owner + " has no " + key + ": give " + what +
+                             ".");
+}
+
+}  // namespace undertow

@@ -1,0 +1,100 @@
+// A mesh of hexahedra as VTKHDF UnstructuredGrid: one part whose connectivity all steps share.
+
+#include <stdexcept>
+
+#include "results/field_file.hpp"
+#include "results/vtkhdf.hpp"
+
+namespace undertow {
+
+namespace {
+
+constexpr std::uint8_t vtk_hexahedron = 12;
+
+/// The connectivity goes in twice: flat for VTKHDF, as rows of eight for XDMF (64 byte per cell).
+void write_topology(hdf5::File& file, std::size_t nodes, std::span<const std::int32_t> hexahedra) {
+    const std::size_t cells = hexahedra.size() / 8;
+    const std::vector<std::int64_t> connectivity(hexahedra.begin(), hexahedra.end());
+    std::vector<std::int64_t> offsets(cells + 1);
+    for (std::size_t cell = 0; cell <= cells; ++cell)
+        offsets[cell] = static_cast<std::int64_t>(8 * cell);
+    const std::vector<std::uint8_t> types(cells, vtk_hexahedron);
+    const hsize_t chunk = vtkhdf::chunk_rows(cells);
+    file.create_growing("/VTKHDF/Connectivity", H5T_STD_I64LE, 0, 8 * chunk);
+    file.create_growing("/VTKHDF/Offsets", H5T_STD_I64LE, 0, chunk);
+    file.create_growing("/VTKHDF/Types", H5T_STD_U8LE, 0, chunk);
+    file.create_growing("/Views/Hexahedra", H5T_STD_I64LE, 8, chunk);
+    file.append_rows("/VTKHDF/Connectivity", H5T_NATIVE_INT64, 8 * cells, connectivity.data());
+    file.append_rows("/VTKHDF/Offsets", H5T_NATIVE_INT64, cells + 1, offsets.data());
+    file.append_rows("/VTKHDF/Types", H5T_NATIVE_UINT8, cells, types.data());
+    file.append_rows("/Views/Hexahedra", H5T_NATIVE_INT64, cells, connectivity.data());
+    for (const char* table : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
+        file.create_growing(std::string("/VTKHDF/") + table, H5T_STD_I64LE, 0, 64);
+    vtkhdf::append_numbers(file, "/VTKHDF/NumberOfPoints", {static_cast<std::int64_t>(nodes)});
+    vtkhdf::append_numbers(file, "/VTKHDF/NumberOfCells", {static_cast<std::int64_t>(cells)});
+    vtkhdf::append_numbers(file, "/VTKHDF/NumberOfConnectivityIds",
+                           {static_cast<std::int64_t>(8 * cells)});
+}
+
+}  // namespace
+
+MeshFile::MeshFile(const std::string& path, std::size_t nodes,
+                   std::span<const std::int32_t> hexahedra)
+    : path_(path), nodes_(nodes), cells_(hexahedra.size() / 8) {
+    hdf5::File file = hdf5::File::create(hdf_path());
+    vtkhdf::create_root(file, "UnstructuredGrid");
+    write_topology(file, nodes, hexahedra);
+    file.create_growing("/VTKHDF/Points", H5T_IEEE_F32LE, 3, vtkhdf::chunk_rows(nodes));
+    file.create_growing("/VTKHDF/Steps/CellOffsets", H5T_STD_I64LE, 0, 256);
+    file.create_growing("/VTKHDF/Steps/ConnectivityIdOffsets", H5T_STD_I64LE, 0, 256);
+    file.close();
+}
+
+std::string MeshFile::hdf_path() const {
+    return path_ + ".vtkhdf";
+}
+int MeshFile::steps() const {
+    return static_cast<int>(times_.size());
+}
+
+void MeshFile::append(double t, std::span<const double> x, const std::vector<Field>& point_fields,
+                      const std::vector<Field>& cell_fields) {
+    const std::size_t step = times_.size();
+    if (x.size() != 3 * nodes_) throw std::logic_error("a mesh step needs every node's position");
+    hdf5::File file = hdf5::File::append(hdf_path());
+    if (step == 0) {
+        for (const Field& field : point_fields) {
+            point_layout_.push_back(vtkhdf::layout_of(field));
+            vtkhdf::create_field(file, "PointData", point_layout_.back(), nodes_);
+        }
+        for (const Field& field : cell_fields) {
+            cell_layout_.push_back(vtkhdf::layout_of(field));
+            vtkhdf::create_field(file, "CellData", cell_layout_.back(), cells_);
+        }
+    }
+    vtkhdf::check_fields(point_fields, point_layout_, nodes_);
+    vtkhdf::check_fields(cell_fields, cell_layout_, cells_);
+
+    const hsize_t first =
+        vtkhdf::append_floats(file, "/VTKHDF/Points", view_group(step) + "/Points", x, 3);
+    vtkhdf::append_fields(file, "PointData", step, point_fields);
+    vtkhdf::append_fields(file, "CellData", step, cell_fields);
+
+    const std::string steps = "/VTKHDF/Steps/";
+    vtkhdf::append_numbers(file, steps + "PointOffsets", {static_cast<std::int64_t>(first)});
+    vtkhdf::append_numbers(file, steps + "NumberOfParts", {1});
+    for (const char* table : {"PartOffsets", "CellOffsets", "ConnectivityIdOffsets"})
+        vtkhdf::append_numbers(file, steps + table, {0});
+    file.append_rows(steps + "Values", H5T_NATIVE_DOUBLE, 1, &t);
+    file.set_attribute("/VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(step + 1));
+    file.close();
+
+    times_.push_back(t);
+    const std::string name = hdf_path().substr(hdf_path().find_last_of('/') + 1);
+    write_xdmf(path_ + ".xdmf",
+               {name, static_cast<std::int64_t>(cells_), times_,
+                std::vector<std::int64_t>(times_.size(), static_cast<std::int64_t>(nodes_)),
+                point_layout_, cell_layout_, false});
+}
+
+}  // namespace undertow

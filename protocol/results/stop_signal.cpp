@@ -1,0 +1,34 @@
+#include "results/stop_signal.hpp"
+
+#include <unistd.h>
+#include <csignal>
+
+#include "wire/errors.hpp"
+
+namespace undertow {
+
+namespace {
+
+volatile std::sig_atomic_t requests = 0;
+
+extern "C" void note_request(int) {
+    requests = requests + 1;
+    if (requests > 1) _exit(exit_interrupted);
+}
+
+}  // namespace
+
+void install_stop_signal() {
+    struct sigaction action {};
+    action.sa_handler = note_request;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;  // file writes go on; a poll() still wakes up with EINTR
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+bool stop_requested() {
+    return requests > 0;
+}
+
+}  // namespace undertow

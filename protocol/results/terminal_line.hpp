@@ -1,0 +1,18 @@
+#pragma once
+// The one line on stderr that is rewritten in place, shared by the progress line and the log so that
+// a message never lands in the middle of it.
+
+#include <string_view>
+
+namespace undertow {
+
+/// Is stderr a terminal?
+bool on_terminal();
+/// Rewrites the line (cut to the terminal's width); on a pipe or file prints it as a line of its own.
+void show_terminal_line(std::string_view text);
+/// Removes the line, so that other output starts at its place. Nothing happens without a line.
+void clear_terminal_line();
+/// Leaves the line as it is and starts a new one.
+void end_terminal_line();
+
+}  // namespace undertow
