@@ -2,6 +2,8 @@
 // The keys and arrays of every message, in the order in which they are written: the one place that
 // fixes the bytes of protocol version 1. docs/protocol.md has the same tables with units.
 //
+// A new message is one describe() here, one line in type_of_struct() below and one in decode().
+//
 // `describe(io, message)` visits them: io.key(name, member) for what stands in the header,
 // io.array(name, member, columns) for what travels as a raw frame; columns = 1 means shape (N),
 // otherwise (N, columns). Key "m" (the type) comes first and "a" (the list of arrays) last; both
@@ -155,6 +157,35 @@ void describe(auto& io, Is<Progress> auto& m) {
     io.key("n", m.n);
     io.key("frac", m.fraction);
     io.key("text", m.text);
+}
+
+/// dtype code of an array's element type.
+template <class T>
+constexpr const char* dtype_of() {
+    if constexpr (std::same_as<T, double>) return "f8";
+    if constexpr (std::same_as<T, std::int32_t>) return "i4";
+    if constexpr (std::same_as<T, std::uint32_t>) return "u4";
+    if constexpr (std::same_as<T, std::uint64_t>) return "u8";
+}
+
+/// Value of key "m".
+template <class M>
+constexpr MessageType type_of_struct() {
+    if constexpr (std::same_as<M, Hello>) return MessageType::hello;
+    if constexpr (std::same_as<M, Welcome>) return MessageType::welcome;
+    if constexpr (std::same_as<M, Mesh>) return MessageType::mesh;
+    if constexpr (std::same_as<M, MeshAck>) return MessageType::mesh_ack;
+    if constexpr (std::same_as<M, Surface>) return MessageType::surface;
+    if constexpr (std::same_as<M, Probe>) return MessageType::probe;
+    if constexpr (std::same_as<M, Active>) return MessageType::active;
+    if constexpr (std::same_as<M, State>) return MessageType::state;
+    if constexpr (std::same_as<M, Force>) return MessageType::force;
+    if constexpr (std::same_as<M, Checkpoint>) return MessageType::checkpoint;
+    if constexpr (std::same_as<M, CheckpointAck>) return MessageType::checkpoint_ack;
+    if constexpr (std::same_as<M, Finish>) return MessageType::finish;
+    if constexpr (std::same_as<M, Bye>) return MessageType::bye;
+    if constexpr (std::same_as<M, Error>) return MessageType::error;
+    if constexpr (std::same_as<M, Progress>) return MessageType::progress;
 }
 
 }  // namespace undertow::wire

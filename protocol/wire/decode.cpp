@@ -1,28 +1,15 @@
-#include "wire/codec.hpp"
-
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <stdexcept>
+#include <utility>
 
+#include "wire/codec.hpp"
 #include "wire/errors.hpp"
-#include "wire/header_writer.hpp"
 #include "wire/layout.hpp"
 
 namespace undertow::wire {
 
-static_assert(std::endian::native == std::endian::little, "arrays travel as they lie in memory");
-
 namespace {
-
-template <class T>
-constexpr const char* dtype_of() {
-    if constexpr (std::same_as<T, double>) return "f8";
-    if constexpr (std::same_as<T, std::int32_t>) return "i4";
-    if constexpr (std::same_as<T, std::uint32_t>) return "u4";
-    if constexpr (std::same_as<T, std::uint64_t>) return "u8";
-}
 
 /// Bytes per element, 0 for a dtype the protocol does not know.
 std::size_t size_of_dtype(std::string_view dtype) {
@@ -30,87 +17,6 @@ std::size_t size_of_dtype(std::string_view dtype) {
     if (dtype == "f4" || dtype == "i4" || dtype == "u4") return 4;
     return 0;
 }
-
-template <class M>
-constexpr MessageType type_of_struct() {
-    if constexpr (std::same_as<M, Hello>) return MessageType::hello;
-    if constexpr (std::same_as<M, Welcome>) return MessageType::welcome;
-    if constexpr (std::same_as<M, Mesh>) return MessageType::mesh;
-    if constexpr (std::same_as<M, MeshAck>) return MessageType::mesh_ack;
-    if constexpr (std::same_as<M, Surface>) return MessageType::surface;
-    if constexpr (std::same_as<M, Probe>) return MessageType::probe;
-    if constexpr (std::same_as<M, Active>) return MessageType::active;
-    if constexpr (std::same_as<M, State>) return MessageType::state;
-    if constexpr (std::same_as<M, Force>) return MessageType::force;
-    if constexpr (std::same_as<M, Checkpoint>) return MessageType::checkpoint;
-    if constexpr (std::same_as<M, CheckpointAck>) return MessageType::checkpoint_ack;
-    if constexpr (std::same_as<M, Finish>) return MessageType::finish;
-    if constexpr (std::same_as<M, Bye>) return MessageType::bye;
-    if constexpr (std::same_as<M, Error>) return MessageType::error;
-    if constexpr (std::same_as<M, Progress>) return MessageType::progress;
-}
-
-// ------------------------------------------------------------------ writing
-
-/// Visitor of describe(): writes keys at once and collects the arrays for "a".
-class Encoder {
- public:
-    Encoder(Frames& frames, MessageType type) : frames_(frames), writer_(frames.header) {
-        frames_.header.assign(1, '\x80');  // a map; its size is filled in by finish()
-        frames_.n_arrays = 0;
-        key("m", std::uint64_t(type));
-    }
-
-    void key(const char* name, const auto& value) {
-        writer_.value(name);
-        writer_.value(value);
-        ++n_keys_;
-    }
-
-    template <class T>
-    void array(const char* name, const std::vector<T>& data, std::size_t columns) {
-        if (data.size() % columns != 0) {
-            throw std::logic_error(std::string("array ") + name + " has " +
-                                   std::to_string(data.size()) + " numbers, not a multiple of " +
-                                   std::to_string(columns));
-        }
-        entries_[frames_.n_arrays] = {name, dtype_of<T>(), data.size() / columns, columns};
-        frames_.arrays[frames_.n_arrays++] = std::as_bytes(std::span(data));
-    }
-
-    void finish() {
-        writer_.value("a");
-        ++n_keys_;
-        writer_.array_of(frames_.n_arrays);
-        for (std::size_t i = 0; i < frames_.n_arrays; ++i) {
-            writer_.array_of(3);
-            writer_.value(entries_[i].name);
-            writer_.value(entries_[i].dtype);
-            writer_.array_of(entries_[i].columns == 1 ? 1 : 2);
-            writer_.value(std::uint64_t(entries_[i].rows));
-            if (entries_[i].columns != 1) writer_.value(std::uint64_t(entries_[i].columns));
-        }
-        if (n_keys_ > 15) throw std::logic_error("a header holds 15 keys at most");
-        frames_.header[0] = static_cast<char>(0x80 | n_keys_);
-        if (frames_.header.size() > max_header) {
-            throw std::logic_error("a header of " + std::to_string(frames_.header.size()) +
-                                   " bytes passes the limit of 64 kB");
-        }
-    }
-
- private:
-    struct Entry {
-        const char* name;
-        const char* dtype;
-        std::size_t rows, columns;
-    };
-    Frames& frames_;
-    HeaderWriter writer_;
-    std::array<Entry, max_arrays> entries_;
-    unsigned n_keys_ = 0;
-};
-
-// ------------------------------------------------------------------ reading
 
 /// One entry of "a", as the peer wrote it.
 struct ArrayEntry {
@@ -357,22 +263,6 @@ void decode_struct(HeaderReader reader, std::span<const Bytes> frames, Message& 
 
 }  // namespace
 
-std::size_t Frames::array_bytes() const {
-    std::size_t sum = 0;
-    for (std::size_t i = 0; i < n_arrays; ++i) sum += arrays[i].size();
-    return sum;
-}
-
-void encode(const Message& message, Frames& frames) {
-    std::visit(
-        [&]<class M>(const M& m) {
-            Encoder encoder(frames, type_of_struct<M>());
-            describe(encoder, m);
-            encoder.finish();
-        },
-        message);
-}
-
 void decode(Bytes header, std::span<const Bytes> arrays, Message& message) {
     if (header.size() > max_header) {
         throw PeerError("E_MALFORMED", "a header of " + std::to_string(header.size()) +
@@ -413,100 +303,6 @@ void decode(Bytes header, std::span<const Bytes> arrays, Message& message) {
             return decode_struct<Progress>(reader, arrays, message);
     }
     throw PeerError("E_MALFORMED", "the message type m = " + std::to_string(type) + " is unknown");
-}
-
-MessageType type_of(const Message& message) {
-    return std::visit([]<class M>(const M&) { return type_of_struct<M>(); }, message);
-}
-
-const char* name_of(MessageType type) {
-    switch (type) {
-        case MessageType::hello:
-            return "HELLO";
-        case MessageType::welcome:
-            return "WELCOME";
-        case MessageType::mesh:
-            return "MESH";
-        case MessageType::mesh_ack:
-            return "MESH_ACK";
-        case MessageType::state:
-            return "STATE";
-        case MessageType::force:
-            return "FORCE";
-        case MessageType::checkpoint:
-            return "CHECKPOINT";
-        case MessageType::checkpoint_ack:
-            return "CHECKPOINT_ACK";
-        case MessageType::finish:
-            return "FINISH";
-        case MessageType::bye:
-            return "BYE";
-        case MessageType::error:
-            return "ERROR";
-        case MessageType::progress:
-            return "PROGRESS";
-        case MessageType::active:
-            return "ACTIVE";
-        case MessageType::probe:
-            return "PROBE";
-        case MessageType::surface:
-            return "SURFACE";
-    }
-    return "?";
-}
-
-std::int64_t step_of(const Message& message) {
-    return std::visit(
-        [](const auto& m) -> std::int64_t {
-            if constexpr (requires { m.n; }) return m.n;
-            return 0;
-        },
-        message);
-}
-
-std::uint64_t session_of(const Message& message) {
-    return std::visit(
-        [](const auto& m) -> std::uint64_t {
-            if constexpr (requires { m.session; }) return m.session;
-            return 0;
-        },
-        message);
-}
-
-void set_session(Message& message, std::uint64_t session) {
-    std::visit(
-        [&](auto& m) {
-            if constexpr (requires { m.session; }) m.session = session;
-        },
-        message);
-}
-
-std::string label(const Message& message) {
-    const std::string name = name_of(type_of(message));
-    const bool has_step = std::visit(
-        [](const auto& m) {
-            return requires {
-                m.n;
-            };
-        },
-        message);
-    return has_step ? name + "(" + std::to_string(step_of(message)) + ")" : name;
-}
-
-std::string checksum(const Mesh& mesh) {
-    std::uint64_t sum = 0xcbf29ce484222325;
-    const auto add = [&](const auto& data) {
-        for (const std::byte byte : std::as_bytes(std::span(data))) {
-            sum = (sum ^ static_cast<std::uint64_t>(byte)) * 0x100000001b3;
-        }
-    };
-    add(mesh.x);
-    add(mesh.mass);
-    add(mesh.quad);
-    add(mesh.group);
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(sum));
-    return text;
 }
 
 }  // namespace undertow::wire
