@@ -12,9 +12,9 @@ using namespace undertow::wire;
 namespace {
 
 struct SolverRecord {
-    std::vector<double> times;        // t1 of each step
-    std::vector<double> forces;       // first number of each f
-    std::vector<std::size_t> rows;    // of each f
+    std::vector<double> times;      // t1 of each step
+    std::vector<double> forces;     // first number of each f
+    std::vector<std::size_t> rows;  // of each f
     std::size_t surfaces = 0;
     std::string reason;
 };
@@ -49,8 +49,10 @@ SolverRecord run_particle_solver(const std::string& endpoint) {
     bool probe = true;
     std::size_t n_active = 0;
     for (std::int64_t n = link.welcome().first_step;; ++n) {
-        if (probe) link.send(probe_of(n, t, 10));
-        else link.send(state_of(n, t, n_active));
+        if (probe)
+            link.send(probe_of(n, t, 10));
+        else
+            link.send(state_of(n, t, n_active));
         const StepReply reply = link.wait_reply();
         record.surfaces += reply.surface.has_value();
         if (reply.finish) {
@@ -132,9 +134,9 @@ TEST_CASE("a full session: two peers advance by the smaller step and end in good
     CHECK(fem.times == sph.times);
     CHECK(fem.times[0] == 1e-3);
     CHECK(fem.forces[19] == 19);
-    CHECK(sph.surfaces == 6);          // steps 2, 5, ..., 17
+    CHECK(sph.surfaces == 6);  // steps 2, 5, ..., 17
     CHECK(sph.rows[0] == 0);
-    CHECK(sph.rows[3] == 3);           // probed at step 3
+    CHECK(sph.rows[3] == 3);  // probed at step 3
     CHECK(sph.rows[5] == 3);
     CHECK(sph.rows[6] == 1);
     CHECK(host.name(0) == "sph");
