@@ -10,9 +10,9 @@
 namespace undertow {
 
 struct CaseOptions {
-    std::string level;                        // name of a [level.NAME] table laid over the case
-    std::vector<std::string> variants;        // names of [variant.NAME] tables, laid over in order
-    std::vector<std::string> set;             // "sph.spacing=0.005": overrides, last of all
+    std::string level{};                      // name of a [level.NAME] table laid over the case
+    std::vector<std::string> variants{};      // names of [variant.NAME] tables, laid over in order
+    std::vector<std::string> set{};           // "sph.spacing=0.005": overrides, last of all
 };
 
 /// Reads `path` (a .toml file, or a folder that holds case.toml).
