@@ -1,0 +1,250 @@
+#pragma once
+// The one-point hexahedron: mean gradient, physical hourglass stabilization, bulk viscosity.
+//
+// One step of one element (T = double) or of eight (T = Lanes), from the same source:
+//   1. nodal positions x^n and displacements of the step dx = dt v^{n-1/2} become modes
+//   2. mean gradient C of the volume (Flanagan and Belytschko 1981), displacement gradient G
+//   3. midpoint gradient L (Hughes and Winget 1980): strain increment and rotation
+//   4. stress: rotated, then the material law
+//   5. hourglass: the part of dx that is not linear in x, as strains along the element's own axes
+//   6. forces from stress, bulk viscosity and hourglass; energies; stable-step figure
+// Derivations are in docs/theory_fem.md.
+
+#include "fem_solver/elements/modes.hpp"
+#include "fem_solver/elements/tensor.hpp"
+
+namespace undertow::fem {
+
+/// What an element keeps from step to step.
+template <class T>
+struct HexahedronState {
+    Symmetric<T> stress;  // [Pa] Cauchy, without bulk viscosity
+    T viscous;            // [Pa] bulk-viscosity stress of the last step (tension positive)
+    T hourglass[3][4];    // [N] generalized hourglass stresses along the element's axes
+};
+
+/// What stays constant for an element.
+template <class T>
+struct HexahedronConstants {
+    T mass;              // [kg]
+    T length;            // [m] 2 c / omega at the start, for the bulk viscosity
+    T axis_weight[3];    // [1/m2] 1 / |linear mode k|^2 at the start
+    T omega2_reference;  // [1/s2] eigenvalue bound when the largest frequency was last found
+};
+
+/// Scalars that all elements of a part share.
+struct HexahedronLaw {
+    double inverse_density;  // [m3/kg] of the undeformed material
+    double lambda, mu;       // [Pa] moduli of the eigenvalue bound
+    double sound_speed;      // [m/s] sqrt((lambda + 2 mu)/rho)
+    double bending_modulus;  // [Pa] E/(1 - nu^2): plane stress, = 2 mu/(1 - nu)
+    double poisson_ratio;
+    double young_modulus;             // [Pa]
+    double bulk_viscosity_linear;     // b1
+    double bulk_viscosity_quadratic;  // b2
+};
+
+/// What an element reports of a step: energies to be summed, health figures to be reduced.
+template <class T>
+struct HexahedronReport {
+    T strain_work;      // [J] of the step
+    T hourglass_work;   // [J] of the step
+    T viscous_work;     // [J] of the step
+    T omega2;           // [1/s2] bound on the largest eigenvalue
+    T relative_volume;  // V/V0; <= 0 is an inverted element
+    T compression;      // -length tr(D)/c, Mach number of closing: enters the viscosity's limit
+};
+
+/// Six vectors C_m = dD/dX_m for D = 64 V: the mean gradient in modes. The fourth hourglass mode
+/// does not enter the volume.
+///   V = (1/64) ( [X0 X1 X2] + ([X0 H2 H1] + [H2 X1 H0] + [H1 H0 X2])/3 )   [m3]
+/// with [a b c] = a . (b x c), X_k the linear and H_a the hourglass modes of the positions. This is
+/// the exact volume of the trilinear hexahedron, so C is Flanagan and Belytschko's gradient.
+template <class T>
+UNDERTOW_KERNEL void mean_gradient(const Modes<T> (&x)[3], T (&C)[6][3], T& D) {
+    T X[3][3], H[3][3];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k)
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            X[k][i] = x[i].linear[k];
+            H[k][i] = x[i].hourglass[k];
+        }
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k) {
+        const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+        T xx[3], hh[3], a[3], b[3];
+        cross(X[k1], X[k2], xx);
+        cross(H[k2], H[k1], hh);
+        cross(H[k2], X[k1], a);
+        cross(X[k2], H[k1], b);
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            C[k][i] = xx[i] + (1.0 / 3) * hh[i];
+            C[3 + k][i] = (1.0 / 3) * (a[i] + b[i]);
+        }
+    }
+    // the volume is linear in the x components alone
+    D = X[0][0] * C[0][0] + X[1][0] * C[1][0] + X[2][0] * C[2][0] + H[0][0] * C[3][0] +
+        H[1][0] * C[4][0] + H[2][0] * C[5][0];
+}
+
+/// omega^2 <= (8/rho) (lambda tr g + 2 mu |g|), g_ij = b_iI b_jI / V^2   [1/s2]
+/// The largest eigenvalue of g is bounded by the row sums of the Gram matrix of the three face
+/// vectors: exact for a box in any orientation.  [after Flanagan and Belytschko 1984]
+template <class T>
+UNDERTOW_KERNEL T eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass, double lambda,
+                                   double mu) {
+    const T c00 = dot(C[0], C[0]), c11 = dot(C[1], C[1]), c22 = dot(C[2], C[2]);
+    const T c01 = magnitude(dot(C[0], C[1])), c12 = magnitude(dot(C[1], C[2])),
+            c20 = magnitude(dot(C[2], C[0]));
+    const T twist = dot(C[3], C[3]) + dot(C[4], C[4]) + dot(C[5], C[5]);
+    const T row = larger(larger(c00 + c01 + c20, c01 + c11 + c12), c20 + c12 + c22);
+    return (lambda * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
+}
+
+/// One step. x [m] positions at n, dx [m] displacements from n-1 to n, f [N] internal forces at n.
+template <class T, class Material>
+UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
+                                     const HexahedronConstants<T>& element,
+                                     const Material& material, const HexahedronLaw& law,
+                                     HexahedronState<T>& state, T (&f)[3][8],
+                                     HexahedronReport<T>& report) {
+    const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
+    const Modes<T> dx[3] = {to_modes(dx_nodes[0]), to_modes(dx_nodes[1]), to_modes(dx_nodes[2])};
+
+    T C[6][3], D;
+    mean_gradient(x, C, D);
+    const T inverse_D = 1.0 / D;
+    const T volume = D * (1.0 / 64);  // [m3]
+
+    T G[3][3], L[3][3];  // displacement gradient of the step, end and midpoint
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j)
+            G[i][j] = inverse_D * ((dx[i].linear[0] * C[0][j] + dx[i].linear[1] * C[1][j] +
+                                    dx[i].linear[2] * C[2][j]) +
+                                   (dx[i].hourglass[0] * C[3][j] + dx[i].hourglass[1] * C[4][j] +
+                                    dx[i].hourglass[2] * C[5][j]));
+    to_midpoint(G, L);
+    const Symmetric<T> d_eps = {L[0][0],
+                                L[1][1],
+                                L[2][2],
+                                0.5 * (L[0][1] + L[1][0]),
+                                0.5 * (L[1][2] + L[2][1]),
+                                0.5 * (L[2][0] + L[0][2])};
+    const T dilatation = d_eps.xx + d_eps.yy + d_eps.zz;
+
+    // stress, and its work by the trapezoidal rule at the midpoint's volume
+    Symmetric<T> s = state.stress;
+    rotate_with_spin(L, s);
+    Symmetric<T> twice_mean = s;
+    material(s, d_eps, dt);
+    state.stress = s;
+    const T half_volume = 0.5 * volume * (1.0 - 0.5 * dilatation);
+    report.strain_work =
+        half_volume *
+        (((twice_mean.xx + s.xx) * d_eps.xx + (twice_mean.yy + s.yy) * d_eps.yy +
+          (twice_mean.zz + s.zz) * d_eps.zz) +
+         2.0 * ((twice_mean.xy + s.xy) * d_eps.xy + (twice_mean.yz + s.yz) * d_eps.yz +
+                (twice_mean.zx + s.zx) * d_eps.zx));
+
+    // bulk viscosity  q = rho ( b1 c l tr(D) - (b2 l tr(D))^2 when compressed )   [Pa]
+    const double inverse_dt = dt > 0 ? 1 / dt : 0;  // dt = 0: the state at the start, at rest
+    const T closing = -inverse_dt * (element.length * dilatation);
+    const T squeeze = law.bulk_viscosity_quadratic * larger(closing, T(closing * 0.0));
+    const T density = element.mass * 64.0 * inverse_D;
+    const T q =
+        -density * (law.bulk_viscosity_linear * law.sound_speed * closing + squeeze * squeeze);
+    report.viscous_work = half_volume * (state.viscous + q) * dilatation;
+    state.viscous = q;
+
+    // hourglass displacements without their linear part, projected on the axes at the midpoint
+    T p[3][4];  // [m2] p_ka = X_k . (dH_a - L H_a)
+    {
+        T axis[3][3];
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; ++k)
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; ++i) axis[k][i] = x[i].linear[k] - 0.5 * dx[i].linear[k];
+#pragma GCC unroll 4
+        for (int a = 0; a < 4; ++a) {
+            T h[3], d[3];
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; ++i) h[i] = x[i].hourglass[a] - 0.5 * dx[i].hourglass[a];
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; ++i)
+                d[i] = dx[i].hourglass[a] - (L[i][0] * h[0] + L[i][1] * h[1] + L[i][2] * h[2]);
+#pragma GCC unroll 3
+            for (int k = 0; k < 3; ++k) p[k][a] = dot(axis[k], d);
+        }
+    }
+
+    // physical stabilization: linear strain fields with the shear of bending and the volume change
+    // left out (plane stress across each bending plane), so that a beam one element deep bends
+    // right
+    T(&Q)[3][4] = state.hourglass;
+    const T volume_start = element.mass * law.inverse_density;
+    const T* w = element.axis_weight;
+    T work = 0.0 * volume;
+    {
+        const T bending = (law.bending_modulus / 3) * volume_start;
+        const T torsion = (law.mu / 3) * volume_start;
+        const T warping = (law.young_modulus / 9) * volume_start;
+        T dQ[3][4];
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const T e_ij = w[i] * p[i][j], e_ji = w[j] * p[j][i];
+            dQ[i][j] = bending * w[i] * (e_ij + law.poisson_ratio * e_ji);
+            dQ[j][i] = bending * w[j] * (e_ji + law.poisson_ratio * e_ij);
+            dQ[i][i] = torsion * w[i] * (w[j] * (p[i][i] + p[j][j]) + w[k] * (p[i][i] + p[k][k]));
+            dQ[i][3] = warping * w[i] * (w[i] * p[i][3]);
+        }
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 4
+            for (int a = 0; a < 4; ++a) {
+                work += (Q[i][a] + 0.5 * dQ[i][a]) * p[i][a];
+                Q[i][a] += dQ[i][a];
+            }
+    }
+    report.hourglass_work = work;
+
+    // forces: power = V sigma:L + Q_a . (dH_a - L H_a), so
+    // F_m = T C_m + Q_m,  T = (sigma + q I)/64 - Q_a H_a^T / D
+    T hourglass_force[3][4];
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 4
+        for (int a = 0; a < 4; ++a)
+            hourglass_force[i][a] =
+                x[i].linear[0] * Q[0][a] + x[i].linear[1] * Q[1][a] + x[i].linear[2] * Q[2][a];
+    const T sigma[3][3] = {{s.xx + q, s.xy, s.zx}, {s.xy, s.yy + q, s.yz}, {s.zx, s.yz, s.zz + q}};
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        T t[3];
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j)
+            t[j] = (1.0 / 64) * sigma[i][j] -
+                   inverse_D * ((hourglass_force[i][0] * x[j].hourglass[0] +
+                                 hourglass_force[i][1] * x[j].hourglass[1]) +
+                                (hourglass_force[i][2] * x[j].hourglass[2] +
+                                 hourglass_force[i][3] * x[j].hourglass[3]));
+        Modes<T> force;
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; ++k) {
+            force.linear[k] = dot(t, C[k]);
+            force.hourglass[k] = dot(t, C[3 + k]) + hourglass_force[i][k];
+        }
+        force.hourglass[3] = hourglass_force[i][3];
+        from_modes(force, f[i]);
+    }
+
+    report.omega2 = eigenvalue_bound(C, D, element.mass, law.lambda, law.mu);
+    report.relative_volume = volume / volume_start;
+    report.compression = closing * (1 / law.sound_speed);
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,77 @@
+#include "fem_solver/mesh.hpp"
+
+#include <algorithm>
+
+#include "wire/errors.hpp"
+
+namespace undertow::fem {
+namespace {
+
+template <class Sets>
+void list_names(const Sets& sets, std::string& names) {
+    for (const auto& [name, set] : sets) names += (names.empty() ? "\"" : ", \"") + name + "\"";
+}
+
+std::vector<std::int32_t> sorted_unique(std::vector<std::int32_t> nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> Mesh::nodes_of(const std::string& set, const std::string& key) const {
+    std::vector<std::int32_t> nodes;
+    bool known = false;
+    if (const auto found = node_sets.find(set); found != node_sets.end()) {
+        nodes = found->second;
+        known = true;
+    }
+    if (const auto found = facet_sets.find(set); found != facet_sets.end()) {
+        for (const Quad& quad : found->second) nodes.insert(nodes.end(), quad.begin(), quad.end());
+        known = true;
+    }
+    if (const auto found = volume_sets.find(set); found != volume_sets.end()) {
+        for (std::int32_t e : found->second)
+            nodes.insert(nodes.end(), hexahedra[e].begin(), hexahedra[e].end());
+        known = true;
+    }
+    if (!known) {
+        std::string names;
+        list_names(node_sets, names);
+        list_names(facet_sets, names);
+        list_names(volume_sets, names);
+        throw InputError(key + ": the mesh " + source + " has no set \"" + set + "\"; it has " +
+                         (names.empty() ? "none" : names) + ".");
+    }
+    return sorted_unique(std::move(nodes));
+}
+
+const std::vector<Quad>& Mesh::facets_of(const std::string& set, const std::string& key) const {
+    const auto found = facet_sets.find(set);
+    if (found == facet_sets.end()) {
+        std::string names;
+        list_names(facet_sets, names);
+        throw InputError(key + ": the mesh " + source + " has no facet set \"" + set +
+                         "\"; it has " + (names.empty() ? "none" : names) + ".");
+    }
+    return found->second;
+}
+
+const std::vector<std::int32_t>& Mesh::elements_of(const std::string& set,
+                                                   const std::string& key) const {
+    const auto found = volume_sets.find(set);
+    if (found == volume_sets.end()) {
+        std::string names;
+        list_names(volume_sets, names);
+        throw InputError(key + ": the mesh " + source + " has no volume set \"" + set +
+                         "\"; it has " + (names.empty() ? "none" : names) + ".");
+    }
+    return found->second;
+}
+
+std::string Mesh::element_name(std::size_t element) const {
+    return "hexahedron " + std::to_string(element_tag[element]);
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,103 @@
+#include "fem_solver/nodes.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace undertow::fem {
+namespace {
+
+// Fixed blocks of nodes: their sums are added in order, so that the number of threads does not
+// change a bit. One block runs without any threading cost.
+constexpr std::size_t block_size = 4096;
+
+Row row_of(double a, double b, double c) {
+    return Row{a, b, c, 0};
+}
+
+KickReport kick_block(Nodes& nodes, const Kick& step, std::size_t first, std::size_t last) {
+    const double span = 0.5 * (step.dt_before + step.dt_after);
+    const double keep = 1 - 0.5 * step.damping * span, divide = 1 / (1 + 0.5 * step.damping * span);
+    const Row g = row_of(step.gravity[0], step.gravity[1], step.gravity[2]);
+    Row kinetic = {}, before = {}, after = {}, speed2 = {};
+    for (std::size_t n = first; n < last; ++n) {
+        const Row im = as_row(nodes.inverse_mass[n]), v_old = as_row(nodes.v[n]);
+        const Row weight = im != 0.0 ? g : Row{};  // no weight where a support carries it
+        const Row a = as_row(nodes.f[n]) * im + weight;
+        const Row v_new = (v_old * keep + span * a) * divide;
+        const Row v_mean = v_old + v_new, m = nodes.mass[n] - Row{};
+        as_row(nodes.v[n]) = v_new;
+        kinetic += m * (v_old * v_new);
+        before += m * (v_mean * v_old);
+        after += m * (v_mean * v_new);
+        const Row v2 = v_new * v_new;
+        const Row sum = v2 + __builtin_shufflevector(v2, v2, 1, 2, 0, 3) +
+                        __builtin_shufflevector(v2, v2, 2, 0, 1, 3);
+        speed2 = larger(sum, speed2);
+    }
+    const double quarter = 0.25 * step.damping;
+    return {0.5 * (kinetic[0] + kinetic[1] + kinetic[2]),
+            quarter * step.dt_before * (before[0] + before[1] + before[2]),
+            quarter * step.dt_after * (after[0] + after[1] + after[2]), speed2[0]};
+}
+
+void drift_block(Nodes& nodes, double dt, std::size_t first, std::size_t last) {
+    for (std::size_t n = first; n < last; ++n) {
+        as_row(nodes.x[n]) += dt * as_row(nodes.v[n]);
+        as_row(nodes.f[n]) = Row{};
+    }
+}
+
+void add(KickReport& sum, const KickReport& part) {
+    sum.kinetic += part.kinetic;
+    sum.damping_before += part.damping_before;
+    sum.damping_after += part.damping_after;
+    sum.speed2 = std::max(sum.speed2, part.speed2);
+}
+
+}  // namespace
+
+Nodes make_nodes(const Mesh& mesh, std::vector<double> mass) {
+    const std::size_t n = mesh.x.size();
+    Nodes nodes;
+    nodes.x0.resize(n);
+    nodes.v.resize(n);
+    nodes.f.resize(n);
+    nodes.inverse_mass.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+        for (int d = 0; d < 3; ++d) {
+            nodes.x0[i].c[d] = mesh.x[i][d];
+            nodes.inverse_mass[i].c[d] = 1 / mass[i];
+        }
+    nodes.x = nodes.x0;
+    nodes.mass = std::move(mass);
+    return nodes;
+}
+
+KickReport kick(Nodes& nodes, const Kick& step, int threads) {
+    const std::size_t n = nodes.size(), blocks = (n + block_size - 1) / block_size;
+    KickReport sum;
+    if (blocks <= 1 || threads <= 1) {
+        for (std::size_t b = 0; b < blocks; ++b)
+            add(sum, kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size)));
+        return sum;
+    }
+    std::vector<KickReport> part(blocks);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (std::size_t b = 0; b < blocks; ++b)
+        part[b] = kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
+    for (const KickReport& p : part) add(sum, p);
+    return sum;
+}
+
+void drift(Nodes& nodes, double dt, int threads) {
+    const std::size_t n = nodes.size(), blocks = (n + block_size - 1) / block_size;
+    if (blocks <= 1 || threads <= 1) {
+        drift_block(nodes, dt, 0, n);
+        return;
+    }
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (std::size_t b = 0; b < blocks; ++b)
+        drift_block(nodes, dt, b * block_size, std::min(n, (b + 1) * block_size));
+}
+
+}  // namespace undertow::fem

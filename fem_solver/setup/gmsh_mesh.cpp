@@ -1,0 +1,335 @@
+#include "fem_solver/setup/gmsh_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "fem_solver/setup/skin.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow::fem {
+namespace {
+
+/// Words of the file, one after the other, with the line they stand in.
+class Words {
+ public:
+    explicit Words(std::string path) : path_(std::move(path)) {
+        std::ifstream file(path_, std::ios::binary);
+        if (!file) throw InputError("fem.mesh: cannot open \"" + path_ + "\".");
+        text_.assign(std::istreambuf_iterator<char>(file), {});
+    }
+    bool skip_space() {
+        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\n' ||
+                                      text_[at_] == '\r' || text_[at_] == '\t'))
+            if (text_[at_++] == '\n') ++line_;
+        return at_ < text_.size();
+    }
+    std::string_view next() {
+        if (!skip_space()) fail("the file ends in the middle of a section");
+        const std::size_t begin = at_;
+        while (at_ < text_.size() && text_[at_] > ' ') ++at_;
+        return std::string_view(text_).substr(begin, at_ - begin);
+    }
+    std::string quoted() {
+        if (!skip_space() || text_[at_] != '"') fail("expected a name in quotes");
+        const std::size_t begin = ++at_;
+        while (at_ < text_.size() && text_[at_] != '"' && text_[at_] != '\n') ++at_;
+        if (at_ >= text_.size() || text_[at_] != '"') fail("a name lacks its closing quote");
+        return text_.substr(begin, at_++ - begin);
+    }
+    template <class Number>
+    Number number() {
+        const std::string_view word = next();
+        Number value{};
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc{} || end != word.data() + word.size())
+            fail("expected a number, found \"" + std::string(word) + "\"");
+        return value;
+    }
+    std::int64_t integer() { return number<std::int64_t>(); }
+    std::size_t count() {
+        const std::int64_t n = integer();
+        // every counted thing takes two characters at least: a larger count is a broken file
+        if (n < 0 || std::size_t(n) > text_.size())
+            fail("a count of " + std::to_string(n) + " cannot be right");
+        return std::size_t(n);
+    }
+    void expect(std::string_view word) {
+        const std::string_view found = next();
+        if (found != word)
+            fail("expected " + std::string(word) + ", found \"" + std::string(found) + "\"");
+    }
+    void skip_section(std::string_view name) {  // up to and with "$EndName"
+        const std::string end = "$End" + std::string(name);
+        while (skip_space())
+            if (next() == end) return;
+        fail("the section $" + std::string(name) + " has no " + end);
+    }
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(path_ + ":" + std::to_string(line_) + ": " + what + ".");
+    }
+
+ private:
+    std::string path_, text_;
+    std::size_t at_ = 0;
+    int line_ = 1;
+};
+
+struct FileFacet {
+    Quad node;  // file's node tags are not used: indices into the file's nodes
+    std::int64_t tag;
+};
+
+using Entity = std::pair<int, std::int64_t>;  // dimension, tag
+struct EntityHash {
+    std::size_t operator()(const Entity& e) const {
+        return std::hash<std::int64_t>{}(e.second * 4 + e.first);
+    }
+};
+
+class GmshFile {
+ public:
+    explicit GmshFile(const std::string& path) : words_(path) { mesh_.source = path; }
+    Mesh read();
+
+ private:
+    void read_format();
+    void read_names();
+    void read_entities();
+    void read_nodes();
+    void read_elements();
+    void drop_unused_nodes();
+    std::int32_t node(std::int64_t tag) {
+        const auto found = node_of_tag_.find(tag);
+        if (found == node_of_tag_.end())
+            words_.fail("node " + std::to_string(tag) + " is not in $Nodes");
+        return found->second;
+    }
+    std::string group_name(int dimension, std::int64_t group) const {
+        const auto found = name_.find({dimension, group});
+        return found == name_.end() ? std::to_string(group) : found->second;
+    }
+
+    Words words_;
+    Mesh mesh_;
+    std::unordered_map<Entity, std::string, EntityHash> name_;  // of physical groups
+    std::unordered_map<Entity, std::vector<std::int64_t>, EntityHash> groups_;  // of entities
+    std::unordered_map<std::int64_t, std::int32_t> node_of_tag_;
+    std::map<std::string, std::vector<FileFacet>> facets_;
+};
+
+void GmshFile::read_format() {
+    const std::string version(words_.next());
+    if (version != "4.1")
+        words_.fail("Gmsh format " + version +
+                    " is not read; save as version 4.1 ASCII (Mesh.MshFileVersion = 4.1)");
+    if (words_.integer() != 0)
+        words_.fail("a binary .msh is not read; save as version 4.1 ASCII (Mesh.Binary = 0)");
+    words_.integer();  // size of the writer's size_t
+    words_.expect("$EndMeshFormat");
+}
+
+void GmshFile::read_names() {
+    const std::size_t n = words_.count();
+    for (std::size_t i = 0; i < n; ++i) {
+        const int dimension = int(words_.integer());
+        const std::int64_t tag = words_.integer();
+        name_[{dimension, tag}] = words_.quoted();
+    }
+    words_.expect("$EndPhysicalNames");
+}
+
+void GmshFile::read_entities() {
+    std::size_t n[4];
+    for (std::size_t& k : n) k = words_.count();
+    for (int dimension = 0; dimension < 4; ++dimension)
+        for (std::size_t i = 0; i < n[dimension]; ++i) {
+            const std::int64_t tag = words_.integer();
+            for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) words_.number<double>();  // box
+            std::vector<std::int64_t> groups(words_.count());
+            for (std::int64_t& g : groups) g = std::abs(words_.integer());  // sign: orientation
+            groups_[{dimension, tag}] = std::move(groups);
+            if (dimension > 0)
+                for (std::size_t k = words_.count(); k > 0; --k) words_.integer();  // boundary
+        }
+    words_.expect("$EndEntities");
+}
+
+void GmshFile::read_nodes() {
+    const std::size_t blocks = words_.count(), n = words_.count();
+    words_.integer();  // smallest and largest tag
+    words_.integer();
+    mesh_.x.reserve(n);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        words_.integer();  // entity
+        words_.integer();
+        if (words_.integer() != 0) words_.fail("parametric nodes are not read");
+        std::vector<std::int64_t> tags(words_.count());
+        for (std::int64_t& tag : tags) tag = words_.integer();
+        for (std::int64_t tag : tags) {
+            if (!node_of_tag_.emplace(tag, std::int32_t(mesh_.x.size())).second)
+                words_.fail("node " + std::to_string(tag) + " is defined twice");
+            Vec3 x;
+            for (double& c : x) c = words_.number<double>();
+            mesh_.x.push_back(x);
+        }
+    }
+    if (mesh_.x.size() != n)
+        words_.fail("$Nodes announces " + std::to_string(n) + " nodes and holds " +
+                    std::to_string(mesh_.x.size()));
+    words_.expect("$EndNodes");
+}
+
+struct ElementType {
+    const char* name;
+    int nodes;  // 0: not read
+};
+ElementType element_type(std::int64_t type) {
+    switch (type) {
+        case 1:
+            return {"line", 2};
+        case 2:
+            return {"3-node triangle", 0};
+        case 3:
+            return {"quad", 4};
+        case 4:
+            return {"4-node tetrahedron", 0};
+        case 5:
+            return {"hexahedron", 8};
+        case 6:
+            return {"6-node prism", 0};
+        case 7:
+            return {"5-node pyramid", 0};
+        case 8:
+            return {"second-order line", 0};
+        case 9:
+            return {"second-order triangle", 0};
+        case 10:
+            return {"second-order quad", 0};
+        case 11:
+            return {"second-order tetrahedron", 0};
+        case 12:
+            return {"second-order hexahedron", 0};
+        case 15:
+            return {"point", 1};
+        default:
+            return {"element", 0};
+    }
+}
+
+void GmshFile::read_elements() {
+    const std::size_t blocks = words_.count();
+    for (int k = 0; k < 3; ++k) words_.integer();  // number, smallest and largest tag
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const int dimension = int(words_.integer());
+        const std::int64_t entity = words_.integer(), type = words_.integer();
+        const ElementType element = element_type(type);
+        if (element.nodes == 0)
+            words_.fail(std::string(element.name) + "s (Gmsh type " + std::to_string(type) +
+                        ") are not read; mesh with 8-node hexahedra (transfinite volumes or "
+                        "extrusion with Recombine, Mesh.ElementOrder = 1)");
+        const std::vector<std::int64_t>& groups = groups_[{dimension, entity}];
+        for (std::size_t i = words_.count(); i > 0; --i) {
+            const std::int64_t tag = words_.integer();
+            std::int32_t n[8];
+            for (int k = 0; k < element.nodes; ++k) n[k] = node(words_.integer());
+            if (type == 5) {
+                for (std::int64_t g : groups)
+                    mesh_.volume_sets[group_name(3, g)].push_back(
+                        std::int32_t(mesh_.hexahedra.size()));
+                mesh_.hexahedra.push_back({n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]});
+                mesh_.element_tag.push_back(tag);
+            } else if (type == 3) {
+                for (std::int64_t g : groups)
+                    facets_[group_name(2, g)].push_back({{n[0], n[1], n[2], n[3]}, tag});
+            } else {
+                for (std::int64_t g : groups) {
+                    auto& set = mesh_.node_sets[group_name(dimension, g)];
+                    set.insert(set.end(), n, n + element.nodes);
+                }
+            }
+        }
+    }
+    words_.expect("$EndElements");
+}
+
+void GmshFile::drop_unused_nodes() {
+    std::vector<std::int32_t> renumbered(mesh_.x.size(), -1);
+    for (const Hexahedron& h : mesh_.hexahedra)
+        for (std::int32_t n : h) renumbered[n] = 0;
+    std::vector<Vec3> used;
+    for (std::size_t n = 0; n < renumbered.size(); ++n)
+        if (renumbered[n] == 0) {
+            renumbered[n] = std::int32_t(used.size());
+            used.push_back(mesh_.x[n]);
+        }
+    mesh_.x = std::move(used);
+    for (Hexahedron& h : mesh_.hexahedra)
+        for (std::int32_t& n : h) n = renumbered[n];
+    for (auto& [name, quads] : mesh_.facet_sets)  // on the skin, so their nodes are in use
+        for (Quad& q : quads)
+            for (std::int32_t& n : q) n = renumbered[n];
+    for (auto& [name, set] : mesh_.node_sets) {
+        std::vector<std::int32_t> kept;
+        for (std::int32_t n : set)
+            if (renumbered[n] >= 0) kept.push_back(renumbered[n]);
+        std::sort(kept.begin(), kept.end());
+        kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+        set = std::move(kept);
+    }
+}
+
+Mesh GmshFile::read() {
+    bool format = false, nodes = false, elements = false;
+    while (words_.skip_space()) {
+        std::string section(words_.next());
+        if (section.size() < 2 || section[0] != '$')
+            words_.fail("expected a section like $Nodes, found \"" + section + "\"");
+        section.erase(0, 1);
+        if (section == "MeshFormat") {
+            read_format();
+            format = true;
+        } else if (!format) {
+            words_.fail("not a Gmsh mesh: it must begin with $MeshFormat");
+        } else if (section == "PhysicalNames") {
+            read_names();
+        } else if (section == "Entities") {
+            read_entities();
+        } else if (section == "Nodes") {
+            read_nodes();
+            nodes = true;
+        } else if (section == "Elements") {
+            read_elements();
+            elements = true;
+        } else if (section == "PartitionedEntities") {
+            words_.fail("a partitioned mesh is not read; save it unpartitioned");
+        } else {
+            words_.skip_section(section);
+        }
+    }
+    if (!format || !nodes || !elements)
+        words_.fail("the mesh lacks $MeshFormat, $Nodes or $Elements");
+    if (mesh_.hexahedra.empty()) words_.fail("the mesh has no 8-node hexahedra");
+    const Skin skin(mesh_);
+    for (const auto& [name, facets] : facets_)
+        for (const FileFacet& facet : facets)
+            mesh_.facet_sets[name].push_back(skin.outward(
+                facet.node,
+                "quad " + std::to_string(facet.tag) + " of physical group \"" + name + "\""));
+    drop_unused_nodes();
+    return std::move(mesh_);
+}
+
+}  // namespace
+
+Mesh read_gmsh(const std::string& path) {
+    return GmshFile(path).read();
+}
+
+}  // namespace undertow::fem

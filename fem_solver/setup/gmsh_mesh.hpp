@@ -1,0 +1,16 @@
+#pragma once
+// Reader of Gmsh's .msh format, version 4.1, ASCII.
+
+#include <string>
+
+#include "fem_solver/mesh.hpp"
+
+namespace undertow::fem {
+
+/// Physical groups become sets of the same name (an unnamed group: its number): of volumes ->
+/// volume sets, of surfaces -> facet sets with normals turned out of the solid, of curves and
+/// points -> node sets. 8-node hexahedra and 4-node quads; nodes that no hexahedron uses are
+/// dropped. InputError with file:line for anything else.
+Mesh read_gmsh(const std::string& path);
+
+}  // namespace undertow::fem

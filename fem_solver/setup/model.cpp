@@ -1,0 +1,146 @@
+#include "fem_solver/setup/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "fem_solver/setup/block_mesh.hpp"
+#include "fem_solver/setup/gmsh_mesh.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow::fem {
+namespace {
+
+Mesh make_mesh(const Case& c) {
+    if (c.fem.block && !c.fem.mesh.empty())
+        throw InputError("fem: give either fem.block or fem.mesh, not both.");
+    if (c.fem.block) return make_block(*c.fem.block);
+    if (c.fem.mesh.empty())
+        throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"file.msh\".");
+    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string());
+}
+
+LinearElastic make_material(const FemMaterial& m) {
+    if (!(m.density > 0) || !(m.young_modulus > 0))
+        throw InputError("fem.material \"" + m.name + "\": density and young_modulus must be > 0.");
+    if (!(m.poisson_ratio > -1 && m.poisson_ratio < 0.5))
+        throw InputError("fem.material \"" + m.name +
+                         "\": poisson_ratio = " + std::to_string(m.poisson_ratio) +
+                         " must be > -1 and < 0.5 (0.49 is a good stand-in for 0.5).");
+    return LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
+}
+
+std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
+    std::vector<Part> parts;
+    std::vector<int> part_of(mesh.hexahedra.size(), -1);
+    for (const FemPart& p : fem.part) {
+        const auto material = std::find_if(fem.material.begin(), fem.material.end(),
+                                           [&](const auto& m) { return m.name == p.material; });
+        if (material == fem.material.end())
+            throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
+                             p.material + "\".");
+        Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
+                  make_material(*material)};
+        for (std::int32_t e : part.elements) {
+            if (part_of[e] >= 0)
+                throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +
+                                 parts[part_of[e]].name + "\" and \"" + p.set + "\".");
+            part_of[e] = int(parts.size());
+        }
+        parts.push_back(std::move(part));
+    }
+    for (std::size_t e = 0; e < part_of.size(); ++e)
+        if (part_of[e] < 0)
+            throw InputError("fem.part: " + mesh.element_name(e) + " of " + mesh.source +
+                             " belongs to no part; give its volume set a material.");
+    return parts;
+}
+
+std::vector<Support> make_supports(const FemSettings& fem, const Mesh& mesh) {
+    std::vector<Support> supports;
+    for (const FemSupport& s : fem.support) {
+        Support support{s.set, mesh.nodes_of(s.set, "fem.support"), {}};
+        for (const std::string& direction : s.fix) {
+            const std::size_t d = direction == "x" ? 0 : direction == "y" ? 1 : 2;
+            if (direction != "x" && direction != "y" && direction != "z")
+                throw InputError("fem.support \"" + s.set + "\": fix = \"" + direction +
+                                 "\" must be of \"x\", \"y\", \"z\".");
+            support.fixed[d] = true;
+        }
+        supports.push_back(std::move(support));
+    }
+    return supports;
+}
+
+void check_slab(const Mesh& mesh, double thickness) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Vec3& x : mesh.x) {
+        low = std::min(low, x[1]);
+        high = std::max(high, x[1]);
+    }
+    if (std::abs((high - low) - thickness) > 1e-6 * thickness)
+        throw InputError(
+            "fem: a 2D case is a slab of case.thickness = " + std::to_string(thickness) +
+            " m in y, but the mesh is " + std::to_string(high - low) + " m thick.");
+}
+
+CoupledSurface make_surface(const FemSettings& fem, const Mesh& mesh) {
+    CoupledSurface surface;
+    for (const FemSurface& s : fem.surface) {
+        const std::vector<Quad>& facets = mesh.facets_of(s.set, "fem.surface");
+        surface.quad.insert(surface.quad.end(), facets.begin(), facets.end());
+        surface.group.resize(surface.quad.size(), std::int32_t(surface.names.size()));
+        surface.names.push_back(s.name);
+    }
+    for (const Quad& q : surface.quad) surface.node.insert(surface.node.end(), q.begin(), q.end());
+    std::sort(surface.node.begin(), surface.node.end());
+    surface.node.erase(std::unique(surface.node.begin(), surface.node.end()), surface.node.end());
+    for (Quad& q : surface.quad)
+        for (std::int32_t& n : q)
+            n = std::int32_t(std::lower_bound(surface.node.begin(), surface.node.end(), n) -
+                             surface.node.begin());
+    return surface;
+}
+
+std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
+    std::int32_t best = 0;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n < mesh.x.size(); ++n) {
+        double squared = 0;
+        for (int d = 0; d < 3; ++d) squared += std::pow(mesh.x[n][d] - point[d], 2);
+        if (squared < smallest) {
+            smallest = squared;
+            best = std::int32_t(n);
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+Model build_model(const Case& c) {
+    Model model;
+    model.mesh = make_mesh(c);
+    model.parts = make_parts(c.fem, model.mesh);
+    model.bulk_viscosity = {c.fem.bulk_viscosity_linear, c.fem.bulk_viscosity_quadratic};
+    model.supports = make_supports(c.fem, model.mesh);
+    if (c.info.dimension == 2) {
+        check_slab(model.mesh, c.info.thickness);
+        Support plane{"plane strain", {}, {false, true, false}};
+        for (std::size_t n = 0; n < model.mesh.x.size(); ++n)
+            plane.nodes.push_back(std::int32_t(n));
+        model.supports.push_back(std::move(plane));
+    }
+    for (const FemPressure& p : c.fem.pressure)
+        model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
+    model.surface = make_surface(c.fem, model.mesh);
+    for (const FemProbe& p : c.fem.probe)
+        model.probes.push_back({p.name, nearest_node(model.mesh, p.point)});
+    model.gravity = c.info.gravity;
+    model.damping = c.fem.damping_alpha;
+    model.cfl = c.fem.cfl;
+    return model;
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,49 @@
+#pragma once
+// The [fem] table with every name resolved: sets to nodes, facets and elements, materials to laws.
+
+#include <string>
+#include <vector>
+
+#include "fem_solver/boundary/pressure.hpp"
+#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/mesh.hpp"
+
+namespace undertow::fem {
+
+struct Support {
+    std::string name;  // its set
+    std::vector<std::int32_t> nodes;
+    std::array<bool, 3> fixed{};  // x, y, z
+};
+
+/// The coupled surfaces as one list of facets on their own nodes.
+struct CoupledSurface {
+    std::vector<std::string> names;
+    std::vector<std::int32_t> node;   // of the mesh, increasing
+    std::vector<Quad> quad;           // indices into `node`; normals out of the solid
+    std::vector<std::int32_t> group;  // per quad, index into names
+};
+
+struct Probe {
+    std::string name;
+    std::int32_t node = 0;
+};
+
+struct Model {
+    Mesh mesh;
+    std::vector<Part> parts;
+    BulkViscosity bulk_viscosity;
+    std::vector<Support> supports;
+    std::vector<PressureLoad> pressures;
+    CoupledSurface surface;
+    std::vector<Probe> probes;
+    Vec3 gravity{};      // [m/s2]
+    double damping = 0;  // [1/s] Rayleigh alpha
+    double cfl = 0.9;    // lambda of Eq. 13
+};
+
+/// Reads or makes the mesh and resolves the tables. A 2D case holds every node in y and must be one
+/// case.thickness thick. InputError for unknown names, elements in no part or in two, and the like.
+Model build_model(const Case& c);
+
+}  // namespace undertow::fem

@@ -1,0 +1,35 @@
+#pragma once
+// The outer faces of the mesh, to turn a quad so that its normal points out of the solid.
+
+#include <string>
+#include <unordered_map>
+
+#include "fem_solver/mesh.hpp"
+
+namespace undertow::fem {
+
+class Skin {
+ public:
+    explicit Skin(const Mesh& mesh);
+
+    /// The quad, counter-clockwise seen from outside. InputError when it is no face of a hexahedron
+    /// or lies between two; `what` names it.
+    Quad outward(const Quad& quad, const std::string& what) const;
+
+ private:
+    struct Hash {
+        std::size_t operator()(const Quad& q) const {
+            std::size_t h = 1469598103934665603ull;
+            for (std::int32_t n : q) h = (h ^ std::size_t(n)) * 1099511628211ull;
+            return h;
+        }
+    };
+    struct Face {
+        Quad node;  // counter-clockwise seen from outside
+        int elements = 0;
+    };
+    std::string source_;
+    std::unordered_map<Quad, Face, Hash> face_;  // by sorted nodes
+};
+
+}  // namespace undertow::fem

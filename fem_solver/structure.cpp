@@ -1,0 +1,172 @@
+#include "fem_solver/structure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "fem_solver/physics/largest_frequency.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow::fem {
+namespace {
+
+std::string printed(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+}  // namespace
+
+Structure::Structure(Model model, int threads)
+    : model_(std::move(model)),
+      elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
+      nodes_(make_nodes(model_.mesh, elements_.nodal_masses(model_.mesh.x.size()))),
+      contact_(model_.surface.node),
+      threads_(threads) {
+    for (const Support& support : model_.supports)
+        for (std::int32_t n : support.nodes)
+            for (int d = 0; d < 3; ++d)
+                if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    report_.omega2 = elements_.omega2_start();
+    find_frequency();
+    omega_start_ = tightening_ * omega_bound();
+}
+
+double Structure::omega_bound() const {
+    return std::sqrt(elements_.omega2_start());
+}
+
+void Structure::find_frequency() {
+    // Lanczos approaches the largest frequency from below; what it may lack when it stops is far
+    // less than this.
+    constexpr double margin = 1.01;
+    const LargestFrequency found = find_largest_frequency(elements_, nodes_);
+    tightening_ =
+        found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;
+    elements_.accept_shape();
+    ++frequency_searches_;
+}
+
+void Structure::internal_forces() {
+    report_ = elements_.step(nodes_, dt_, threads_);
+    strain_work_ += report_.strain_work;
+    hourglass_work_ += report_.hourglass_work;
+    viscous_work_ += report_.viscous_work;
+}
+
+void Structure::pressure_forces(double t) {
+    for (PressureLoad& pressure : model_.pressures) {
+        pressure.evaluate(t, nodes_.x);
+        pressure.load.add_to(nodes_.f);
+    }
+}
+
+void Structure::contact_forces(std::span<const double> f) {
+    for (std::size_t i = 0; i < contact_.node.size(); ++i)
+        contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
+    contact_.add_to(nodes_.f);
+}
+
+void Structure::kick(double dt) {
+    for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
+    contact_.do_work(nodes_.v, 0.5 * dt_);
+    kick_ = fem::kick(nodes_, {dt_, dt, model_.gravity, model_.damping}, threads_);
+    damping_work_ += damping_ahead_ + kick_.damping_before;
+    damping_ahead_ = kick_.damping_after;
+    kick_span_ = 0.5 * (dt_ + dt);
+}
+
+void Structure::drift(double dt) {
+    for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
+    contact_.do_work(nodes_.v, 0.5 * dt);
+    fem::drift(nodes_, dt, threads_);
+    dt_ = dt;
+}
+
+const StableStep& Structure::stable_step() {
+    // Tightening holds for the shape in which it was found: a tenth more in any element's own
+    // bound, and it is found anew.
+    if (report_.stiffening > 1.1) find_frequency();
+    const double b2 = model_.bulk_viscosity.quadratic;
+    const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression;
+    const double omega = tightening_ * std::sqrt(report_.omega2);
+    stable_.dt = model_.cfl * 2 / omega * (std::sqrt(1 + xi * xi) - xi);
+    if (std::abs(report_.omega2 - named_omega2_) > 1e-6 * report_.omega2) {
+        const std::size_t e = elements_.stiffest();
+        stable_.limiter = model_.mesh.element_name(e) + " of " + elements_.part_name(e);
+        named_omega2_ = report_.omega2;
+    }
+    return stable_;
+}
+
+void Structure::check_health(std::int64_t n, double t) const {
+    const std::string when = "at t = " + printed(t) + " s (step " + std::to_string(n) + ") ";
+    const double sum = report_.strain_work + report_.hourglass_work + kick_.kinetic;
+    if (!std::isfinite(sum) || !(report_.relative_volume > 0)) {
+        const std::size_t e = elements_.most_compressed(nodes_);
+        throw PhysicsError(
+            when + model_.mesh.element_name(e) + " of " + elements_.part_name(e) +
+            (std::isfinite(sum) ? " has inverted (V/V0 = " + printed(report_.relative_volume) + ")"
+                                : " holds values that are not finite") +
+            "; lower fem.cfl, refine the mesh there, or look for a load that is too large.");
+    }
+    const double speed = std::sqrt(kick_.speed2), sound = elements_.largest_wave_speed();
+    if (speed > sound)
+        throw PhysicsError(when + "a node of the structure moves at " + printed(speed) +
+                           " m/s, faster than sound in it (" + printed(sound) +
+                           " m/s): the computation is unstable; lower fem.cfl.");
+}
+
+Energies Structure::energies() const {
+    Energies e;
+    e.kinetic = kick_.kinetic;
+    e.internal = strain_work_;
+    e.hourglass = hourglass_work_;
+    e.bulk_viscosity = viscous_work_;
+    e.damping = damping_work_;
+    for (std::size_t n = 0; n < nodes_.size(); ++n)  // weight: a potential, so its work is exact
+        for (int d = 0; d < 3; ++d)
+            e.external +=
+                nodes_.mass[n] * model_.gravity[d] * (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
+    for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
+    e.contact = contact_.work;
+    return e;
+}
+
+Vec3 Structure::velocity(std::int32_t node) const {
+    Vec3 v;
+    for (int d = 0; d < 3; ++d) {
+        const double im = nodes_.inverse_mass[node].c[d];
+        const double a = im == 0 ? 0 : nodes_.f[node].c[d] * im + model_.gravity[d];
+        const double v_half = nodes_.v[node].c[d];
+        // v^n = v^{n+1/2} - a' span/2, a' = a - alpha v^n
+        v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
+    }
+    return v;
+}
+
+Vec3 Structure::displacement(std::int32_t node) const {
+    Vec3 u;
+    for (int d = 0; d < 3; ++d) u[d] = nodes_.x[node].c[d] - nodes_.x0[node].c[d];
+    return u;
+}
+
+Vec3 Structure::reaction(const Support& support) const {
+    Vec3 r{};
+    for (std::int32_t n : support.nodes)
+        for (int d = 0; d < 3; ++d)
+            if (support.fixed[d]) r[d] -= nodes_.f[n].c[d] + nodes_.mass[n] * model_.gravity[d];
+    return r;
+}
+
+double Structure::largest_displacement() const {
+    double largest = 0;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        const Vec3 u = displacement(std::int32_t(n));
+        largest = std::max(largest, u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    }
+    return std::sqrt(largest);
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,98 @@
+#pragma once
+// The structure in motion: nodes, elements and loads, and what can happen to them in a step.
+// solver.cpp calls these in the order of the step; tests do the same without files and wire.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fem_solver/boundary/nodal_load.hpp"
+#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/nodes.hpp"
+#include "fem_solver/setup/model.hpp"
+
+namespace undertow::fem {
+
+/// [J] at n, all from the start. What went in is external and contact work; where it is now or was
+/// dissipated are the others.
+struct Energies {
+    double kinetic = 0;         // 1/2 m v^{n-1/2} . v^{n+1/2}
+    double internal = 0;        // work of the stresses
+    double hourglass = 0;       // work of the hourglass stresses
+    double bulk_viscosity = 0;  // dissipated
+    double damping = 0;         // dissipated by Rayleigh damping
+    double external = 0;        // done by weight and pressure
+    double contact = 0;         // done by the contact forces
+    /// What does not add up.
+    double balance_error() const {
+        return kinetic + internal + hourglass + bulk_viscosity + damping - external - contact;
+    }
+};
+
+struct StableStep {
+    double dt = 0;        // [s] offered: cfl and viscosity included
+    std::string limiter;  // "hexahedron 17 of wall"
+};
+
+class Structure {
+ public:
+    /// At rest in the mesh's shape. `threads` for meshes large enough to gain from them.
+    Structure(Model model, int threads);
+
+    // One step, in this order:
+    void internal_forces();  // stress and forces in the shape x^n
+    void pressure_forces(double t);
+    void contact_forces(std::span<const double> f);  // [N] (n_surface_nodes, 3)
+    void kick(double dt);                            // v^{n-1/2} -> v^{n+1/2}
+    void drift(double dt);                           // x^n -> x^{n+1}
+
+    /// PhysicsError that names the element or node when a value is not finite, an element inverts
+    /// or a node outruns sound.
+    void check_health(std::int64_t n, double t) const;
+    /// dt = cfl 2/omega (sqrt(1 + xi^2) - xi), xi = b1 + b2^2 Ma the bulk viscosity's damping ratio
+    /// at the closing Mach number Ma.  [Eq. 13 with c from (1-2 nu); omega from the elements'
+    /// bound, tightened by the largest eigenfrequency of the whole mesh]
+    const StableStep& stable_step();
+
+    Energies energies() const;  // complete after kick
+    /// [m/s] v^n of a node, from both half steps.
+    Vec3 velocity(std::int32_t node) const;
+    Vec3 displacement(std::int32_t node) const;  // [m]
+    /// [N] force the support exerts on the structure (after all forces of the step are in).
+    Vec3 reaction(const Support& support) const;
+    double largest_displacement() const;  // [m]
+
+    const Model& model() const { return model_; }
+    const Nodes& nodes() const { return nodes_; }
+    Nodes& nodes() { return nodes_; }
+    const Hexahedra& elements() const { return elements_; }
+    const ElementsReport& report() const { return report_; }
+    double omega_bound() const;                          // [1/s] elements' bound at the start
+    double omega_start() const { return omega_start_; }  // [1/s] found for the mesh at the start
+    int frequency_searches() const { return frequency_searches_; }
+
+ private:
+    void find_frequency();
+
+    Model model_;
+    Hexahedra elements_;
+    Nodes nodes_;
+    NodalLoad contact_;
+    int threads_;
+
+    double dt_ = 0;         // [s] of the last step; 0 at the start
+    double kick_span_ = 0;  // [s] of the last kick
+    ElementsReport report_;
+    KickReport kick_;
+    double strain_work_ = 0, hourglass_work_ = 0, viscous_work_ = 0;  // [J] up to n
+    double damping_work_ = 0, damping_ahead_ = 0;  // [J] up to n, and of the half step after it
+
+    double tightening_ = 1;  // largest frequency of the mesh over the elements' bound, <= 1
+    double omega_start_ = 0;
+    int frequency_searches_ = 0;
+    StableStep stable_;
+    double named_omega2_ = 0;  // bound when the limiter was last named
+};
+
+}  // namespace undertow::fem
