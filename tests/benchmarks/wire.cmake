@@ -1,0 +1,2 @@
+add_executable(bench_wire_latency ${CMAKE_CURRENT_LIST_DIR}/wire_latency.cpp)
+target_link_libraries(bench_wire_latency PRIVATE undertow_wire)
