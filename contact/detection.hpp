@@ -1,0 +1,71 @@
+#pragma once
+// Where do particles touch the surface?
+//
+// A particle is a ball of radius l0 about its center. Its contacts are the local minima of the
+// distance between the center and the surface:
+//   flat wall      one minimum, wherever the particle sits: edges between coplanar facets never
+//   count convex edge    one minimum, on the edge; the normal runs from the edge to the particle
+//   concave corner one minimum on each side
+// A minimum on an outline edge or corner of a facet is dropped when another facet with that edge or
+// corner holds a nearer point (or the same point, and comes first). Of minima whose normals differ
+// by less than 45 degrees only the deepest counts: there the penalty potential k/2 max(d_a)^2 stays
+// continuous across the seam of a faceted concave surface, where a sum would count the wall twice.
+//
+// Side: the nearest point of all decides. If the center lies below the plane there, the particle
+// has passed the surface and is pushed back out along the line to that point, d = l0 + distance, up
+// to `behind` l0 below the surface. At a free edge of an open surface nothing is inside: the edge
+// is round. If the nearest point says outside, facets that see the particle from behind are the far
+// side of a thin body and do not act.
+
+#include <span>
+#include <vector>
+
+#include "contact/candidates.hpp"
+#include "contact/points.hpp"
+#include "contact/surface.hpp"
+
+namespace undertow::contact {
+
+struct DetectionRules {
+    double behind = 1.0;              // depth below the surface up to which it pushes out, in l0
+    double same_normal = 0.70710678;  // cosine above which two contacts are one wall (45 degrees)
+    double step_share = 0.25;  // a particle may approach a facet by this share of l0 per step
+};
+
+/// One particle on one facet.
+struct Contact {
+    std::uint32_t particle;  // active row
+    std::uint32_t facet;
+    std::array<double, 4> weight;  // w_a of the facet's nodes at the contact point
+    Vec point;                     // [m] contact point, sum_a w_a x_a
+    Vec normal;                    // unit, from the surface to the wet side
+    double depth;                  // [m] penetration d = l0 - signed distance, > 0
+    double closing;                // [m/s] d(depth)/dt
+    Vec slip;                      // [m/s] tangential velocity of the particle against the surface
+    // Filled by the force laws.
+    double stiffness = 0;        // [N/m]
+    double mass = 0;             // [kg] effective mass of the stability budget
+    double normal_force = 0;     // [N] >= 0
+    double damping_force = 0;    // [N] part of normal_force that is not stiffness * depth
+    Vec friction = Vec::Zero();  // [N] on the particle
+    Vec force = Vec::Zero();     // [N] on the particle, normal and friction
+};
+
+/// Finds the contacts of all active particles; the result does not depend on the thread count.
+class Detector {
+ public:
+    explicit Detector(DetectionRules rules = {}, int threads = 1);
+
+    /// contacts: ordered by particle, then depth. Returns the largest step [s] during which no
+    /// particle moves by more than step_share * l0 towards a facet it may touch.
+    double detect(const Points& active, const Surface& surface, const CandidateList& candidates,
+                  std::vector<Contact>& contacts);
+
+ private:
+    DetectionRules rules_;
+    int threads_;
+    std::vector<FacetFrame> frame_;  // of candidates.used, by facet
+    std::vector<std::vector<Contact>> per_thread_;
+};
+
+}  // namespace undertow::contact

@@ -1,0 +1,85 @@
+#pragma once
+// Contacts -> forces on particles and nodes, equal and opposite to the last bit.
+//
+// Each contact force is rounded to multiples of a quantum, a power of two 2^-40 of the step's
+// largest contact force, and summed as 64-bit integers. Integer sums do not depend on the order:
+// the result is bit-identical for any order of contacts and any number of threads, and the sum over
+// all particles and nodes is exactly zero. Head-room: 2^23 contacts of the largest force on one
+// node.
+//
+// Stiffness never rises while a particle stays in contact. k follows dt and the number of neighbors
+// on a node; if it rose with a stored penetration, 1/2 k d^2 would be created out of nothing (dt
+// jumping between 1 and 1/2 gives a mean restitution of 1.16). It may fall: that loses energy,
+// which is booked as `relaxation`. So the contact's time scale is the largest dt since the particle
+// touched, a smaller dt keeps k, a larger one lowers it, and no vote on dt is needed.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/detection.hpp"
+
+namespace undertow::contact {
+
+struct NormalDamping;
+
+enum class StiffnessKind { fluid, eq11 };
+enum class FrictionKind { coulomb, viscous };
+
+struct LawSettings {
+    StiffnessKind stiffness = StiffnessKind::fluid;
+    double chi = 1;      // of k = chi rho c0^2 dx
+    double beta = 0.25;  // share of the stability budget for stiffness, (omega dt)^2
+    double eta = 0.1;    // share for normal damping, c dt/m_c; 0 = none
+    FrictionKind friction = FrictionKind::coulomb;
+    double mu = 0;                 // Coulomb coefficient
+    double alpha = 0;              // [N s/m] viscous coefficient of Eq. 9
+    bool scale_by_valence = true;  // false: m_c as if each contact were alone (unstable; for tests)
+};
+
+class ForceLaw {
+ public:
+    explicit ForceLaw(const LawSettings& settings) : settings_(settings) {}
+
+    /// Forgets or carries over what is known of each particle's contact: old_row[i] is the former
+    /// row of active particle i, or -1 if it was not active.
+    void renumber(std::span<const std::int64_t> old_row);
+
+    /// Fills in stiffness and forces of the contacts, then sums them.
+    void compute(const Points& active, const Surface& surface, double dt,
+                 std::vector<Contact>& contacts);
+
+    std::span<const double> on_particles() const { return particle_force_; }  // [N] (A, 3)
+    std::span<const double> on_nodes() const { return node_force_; }          // [N] (N, 3)
+    double quantum() const { return quantum_; }                               // [N]
+    double relaxation() const { return relaxation_; }  // [J] lost by falling stiffness, this step
+    bool finite() const { return finite_; }            // no NaN, no overflow in this step
+    /// [N] largest component of the sum of all forces of this step: exactly 0, or a defect.
+    double momentum_residual() const;
+
+ private:
+    void share_masses(const Points& active, const Surface& surface, std::vector<Contact>& contacts);
+    template <typename Stiffness>
+    void choose_stiffness(const Stiffness& stiffness, const Points& active,
+                          std::vector<Contact>& contacts);
+    template <typename Friction>
+    void apply(const NormalDamping& damping, const Friction& friction,
+               std::vector<Contact>& contacts) const;
+    void sum(const Surface& surface, const std::vector<Contact>& contacts, std::size_t particles);
+
+    LawSettings settings_;
+    struct Memory {
+        double stiffness = 0;  // [N/m] of the contact so far; 0 = not in contact
+        double depth = 0;      // [m] at the last step
+    };
+    std::vector<Memory> memory_, next_;                  // per active particle
+    std::vector<std::uint32_t> in_contact_, former_;     // active rows with an entry in memory_
+    std::vector<std::int64_t> share_;                    // S_a per node, 1 = 2^40
+    std::vector<std::uint8_t> contacts_of_;              // c_i per active particle
+    std::vector<std::int64_t> particle_sum_, node_sum_;  // [quantum]
+    std::vector<double> particle_force_, node_force_;    // [N]
+    double quantum_ = 0, relaxation_ = 0;
+    bool finite_ = true;
+};
+
+}  // namespace undertow::contact
