@@ -1,0 +1,52 @@
+#pragma once
+// Plane rigid walls by mirror images: a particle near a wall sees its neighbors' images behind it, so
+// that the kernel is complete there and the impermeable, free-slip wall is met exactly. An image costs
+// a record, not a pair loop of its own. Corners need images of images: planes must be perpendicular
+// or parallel to each other.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "case/case.hpp"
+
+namespace undertow::sph {
+
+using PlaneMask = std::uint32_t;   // bit k: mirrored at plane k
+
+/// x' = M x + t, v' = M v: no flow through the wall. The friction of a no-slip wall is added as a
+/// stress (wall_friction.hpp): a reversed tangential velocity would disturb the continuity sum.
+struct Reflection {
+    double m[3][3], t[3];   // [-], [m]
+};
+
+class MirrorPlanes {
+ public:
+    /// Throws InputError when two planes are neither parallel nor perpendicular.
+    explicit MirrorPlanes(const std::vector<PlaneWall>& planes);
+
+    int size() const { return static_cast<int>(planes_.size()); }
+    const PlaneWall& plane(int k) const { return planes_[k]; }
+
+    /// Signed distance from plane k, positive on the fluid's side [m].
+    double distance(int k, double x, double y, double z) const {
+        const PlaneWall& w = planes_[k];
+        return (x - w.point[0]) * w.normal[0] + (y - w.point[1]) * w.normal[1] +
+               (z - w.point[2]) * w.normal[2];
+    }
+
+    /// Appends the masks of all images of a point that lie within `range` behind their walls.
+    void images_of(double x, double y, double z, double range, std::vector<PlaneMask>& masks) const;
+
+    const Reflection& reflection(PlaneMask mask) const { return table_[mask]; }
+
+    /// A particle that got behind a wall is put back to its mirror position with its normal velocity
+    /// reversed. Returns true if it was behind any wall.
+    bool put_back(double& x, double& y, double& z, double& vx, double& vy, double& vz) const;
+
+ private:
+    std::vector<PlaneWall> planes_;
+    std::vector<Reflection> table_;   // [2^planes]
+};
+
+}  // namespace undertow::sph

@@ -1,0 +1,327 @@
+#include "sph_solver/fluid_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/setup/fill.hpp"
+#include "sph_solver/physics/wall_friction.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+// Flat optimum of list length against rebuild frequency lies at 0.1 to 0.2 dx.
+constexpr double skin_over_spacing = 0.2;
+
+PairPhysics resolve_physics(const Case& input) {
+    PairPhysics p;
+    p.kernel = input.sph.kernel;
+    p.h = input.sph.smoothing_ratio * input.sph.spacing;
+    p.dimension = input.info.dimension;
+    p.artificial_viscosity = input.sph.artificial_viscosity;
+    p.density_diffusion = input.sph.density_diffusion;
+    p.gravity = input.info.gravity;
+    p.fluid = resolve_fluid(input);
+    return p;
+}
+
+double kernel_value(const PairPhysics& p, double r) {
+    return p.kernel == Kernel::wendland_c2 ? WendlandC2(p.h, p.dimension).value(r)
+                                           : CubicSpline(p.h, p.dimension).value(r);
+}
+
+}  // namespace
+
+FluidSystem::FluidSystem(const Case& input)
+    : physics_(resolve_physics(input)),
+      spacing_(input.sph.spacing),
+      mirror_(input.sph.plane),
+      neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
+      domain_(input.sph.domain) {
+    particles = fill_particles(input, physics_.fluid);
+    plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
+    index_.resize(particles.size());
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        index_[i] = static_cast<int>(i);
+        fastest_ = std::max(fastest_,
+                            std::hypot(particles.vx[i], particles.vy[i], particles.vz[i]));
+        particles.p[i] = physics_.fluid.pressure(particles.drho[i], particles.energy[i]);
+        for (int k = 0; k < mirror_.size(); ++k)
+            if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < 0)
+                throw InputError(fmt::format(
+                    "{}: sph.fill puts a particle at ({:.4g}, {:.4g}, {:.4g}), behind sph.plane "
+                    "\"{}\": its normal must point into the fluid.", input.file, particles.x[i],
+                    particles.y[i], particles.z[i], mirror_.plane(k).name));
+    }
+}
+
+bool FluidSystem::refresh_neighbors(double t) {
+    if (!neighbors_.due(reach_)) return false;
+    keep_inside();
+    plates.move_to(t);
+    neighbors_.rebuild(particles, plates, mirror_);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+        index_[particles.id[i]] = static_cast<int>(i);
+    find_rubbing();
+    reach_ = 0;
+    ++rebuilds_;
+    return true;
+}
+
+void FluidSystem::pack(double t) {
+    pack_fluid();
+    if (plates.size() > 0) {
+        plates.move_to(t);
+        extrapolate_to_plates(t);
+    }
+    pack_extras(t);
+}
+
+void FluidSystem::pack_fluid() {
+    const FixedPoint fixed = neighbors_.fixed();
+    const FluidLaw& fluid = physics_.fluid;
+    const double mass = fluid.rho0 * fluid.volume;
+    Packed* records = neighbors_.records().data();
+    const int n = static_cast<int>(particles.size());
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; ++i) {
+        particles.p[i] = fluid.pressure(particles.drho[i], particles.energy[i]);
+        Packed& q = records[i];
+        q.x = fixed(particles.x[i], fixed.x0);
+        q.y = fixed(particles.y[i], fixed.y0);
+        q.z = fixed(particles.z[i], fixed.z0);
+        q.volume = static_cast<float>(mass / (fluid.rho0 + particles.drho[i]));
+        q.vx = static_cast<float>(particles.vx[i]);
+        q.vy = static_cast<float>(particles.vy[i]);
+        q.vz = static_cast<float>(particles.vz[i]);
+        q.p = static_cast<float>(particles.p[i]);
+    }
+}
+
+/// Images show mirrored position and velocity and the hydrostatically continued pressure
+/// p' = p + rho0 g . (x' - x), so that the wall carries the weight above it without an inflow.
+void FluidSystem::pack_extras(double) {
+    const FixedPoint fixed = neighbors_.fixed();
+    const FluidLaw& fluid = physics_.fluid;
+    const double mass = fluid.rho0 * fluid.volume;
+    const double gx = fluid.rho0 * physics_.gravity[0], gy = fluid.rho0 * physics_.gravity[1],
+                 gz = fluid.rho0 * physics_.gravity[2];
+    Packed* records = neighbors_.records().data() + neighbors_.first_extra();
+    const std::vector<Extra>& extras = neighbors_.extras();
+    const int n = static_cast<int>(extras.size());
+#pragma omp parallel for schedule(static)
+    for (int e = 0; e < n; ++e) {
+        const int s = extras[e].source;
+        const bool plate = extras[e].from_plate;
+        const double x = plate ? plates.x[s] : particles.x[s];
+        const double y = plate ? plates.y[s] : particles.y[s];
+        const double z = plate ? plates.z[s] : particles.z[s];
+        const double vx = plate ? plates.vx[s] : particles.vx[s];
+        const double vy = plate ? plates.vy[s] : particles.vy[s];
+        const double vz = plate ? plates.vz[s] : particles.vz[s];
+        const double p = plate ? plates.p[s] : particles.p[s];
+        const double drho = plate ? 0 : particles.drho[s];
+        const Reflection& r = mirror_.reflection(extras[e].mask);
+        const double ix = r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0];
+        const double iy = r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1];
+        const double iz = r.m[2][0] * x + r.m[2][1] * y + r.m[2][2] * z + r.t[2];
+        Packed& q = records[e];
+        q.x = fixed(ix, fixed.x0);
+        q.y = fixed(iy, fixed.y0);
+        q.z = fixed(iz, fixed.z0);
+        q.volume = static_cast<float>(mass / (fluid.rho0 + drho));
+        q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
+        q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
+        q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
+        q.p = static_cast<float>(p + gx * (ix - x) + gy * (iy - y) + gz * (iz - z));
+    }
+}
+
+/// p_w = sum_f [p_f + rho0 (g - a_w).(x_w - x_f)] W / sum_f W, and the mean fluid velocity likewise.
+/// A free-slip plate takes the fluid's velocity along its faces and its own across them; a no-slip
+/// plate shows 2 v_w - <v_f>.  [Adami, Hu & Adams 2012, Eqs. 23, 27]
+void FluidSystem::extrapolate_to_plates(double t) {
+    const std::vector<int>& targets = neighbors_.plate_targets();
+    const ClusterLists& lists = neighbors_.plate_lists();
+    const std::vector<Packed>& records = neighbors_.records();
+    const std::vector<Extra>& extras = neighbors_.extras();
+    const FixedPoint& fixed = neighbors_.fixed();
+    const int fluid_count = neighbors_.fluid_count();
+    const double r_max2 = 4 * physics_.h * physics_.h;
+    const Vec3& g = physics_.gravity;
+    const int n = static_cast<int>(targets.size());
+#pragma omp parallel for schedule(dynamic, 64)
+    for (int k = 0; k < n; ++k) {
+        const int d = targets[k];
+        const double px = (plates.x[d] - fixed.x0) / fixed.unit,
+                     py = (plates.y[d] - fixed.y0) / fixed.unit,
+                     pz = (plates.z[d] - fixed.z0) / fixed.unit;
+        double weight = 0, pressure = 0, u[3] = {0, 0, 0};
+        for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
+            if (*at >= fluid_count && extras[*at - fluid_count].from_plate) continue;
+            const Packed& q = records[*at];
+            const double dx = (px - q.x) * fixed.unit, dy = (py - q.y) * fixed.unit,
+                         dz = (pz - q.z) * fixed.unit;
+            const double r2 = dx * dx + dy * dy + dz * dz;
+            if (r2 >= r_max2) continue;
+            const double w = kernel_value(physics_, std::sqrt(r2));
+            weight += w;
+            pressure += w * (q.p + physics_.fluid.rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
+            u[0] += w * q.vx, u[1] += w * q.vy, u[2] += w * q.vz;
+        }
+        const int wall = plates.plate[d];
+        const Vec3 v = plates.velocity(wall, t);
+        double* out[3] = {&plates.vx[d], &plates.vy[d], &plates.vz[d]};
+        const int normal = plates.thin_axis(wall);
+        for (int a = 0; a < 3; ++a) {
+            const double mean = weight > 0 ? u[a] / weight : v[a];
+            if (plates.walls[wall].slip == Slip::no_slip)
+                *out[a] = 2 * v[a] - mean;
+            else
+                *out[a] = a == normal ? v[a] : mean;
+        }
+        plates.p[d] = weight > 0 ? std::max(0.0, pressure / weight) : 0;
+    }
+}
+
+void FluidSystem::find_rubbing() {
+    rubbing_.clear();
+    const double range = 1.5 * spacing_ + neighbors_.skin();
+    for (int k = 0; k < mirror_.size(); ++k) {
+        if (mirror_.plane(k).slip != Slip::no_slip) continue;
+        for (std::size_t i = 0; i < particles.size(); ++i)
+            if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < range)
+                rubbing_.push_back({static_cast<int>(i), k});
+    }
+}
+
+/// dv/dt = -tau w(z) / (rho dx) along the slip velocity. The weight w = 1 - |z - dx/2|/dx shares the
+/// stress out among the layers of a lattice at any distance from the wall; its sum is one.
+void FluidSystem::add_wall_friction() {
+    const LawOfTheWall law{physics_.fluid.rho0, physics_.fluid.mu};
+    for (const Rubbing& r : rubbing_) {
+        const int i = r.particle;
+        const Vec3& n = mirror_.plane(r.plane).normal;
+        const double z = mirror_.distance(r.plane, particles.x[i], particles.y[i], particles.z[i]);
+        const double weight = 1 - std::abs(z - 0.5 * spacing_) / spacing_;
+        if (!(weight > 0)) continue;
+        const double vn =
+            particles.vx[i] * n[0] + particles.vy[i] * n[1] + particles.vz[i] * n[2];
+        const double ux = particles.vx[i] - vn * n[0], uy = particles.vy[i] - vn * n[1],
+                     uz = particles.vz[i] - vn * n[2];
+        const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
+        if (!(u > 0)) continue;
+        const double deceleration =
+            weight * law(u, std::max(z, 0.1 * spacing_)) / (law.rho * spacing_) / u;
+        particles.ax[i] -= static_cast<float>(deceleration * ux);
+        particles.ay[i] -= static_cast<float>(deceleration * uy);
+        particles.az[i] -= static_cast<float>(deceleration * uz);
+    }
+}
+
+void FluidSystem::advance_density(double dt) {
+    const int n = static_cast<int>(particles.size());
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; ++i) {
+        particles.drho[i] += dt * particles.drho_dt[i];
+        particles.rate[i] = particles.drho_dt[i];
+    }
+}
+
+Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
+                                   bool extrapolate) {
+    const double kick = 0.5 * (dt + dt_before);
+    // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
+    const double w = dt_before + dt_before_that > 0 && dt_before > 0
+                         ? (dt + dt_before) / (dt_before + dt_before_that) : 0;
+    const Vec3 g = physics_.gravity;
+    const FluidLaw& fluid = physics_.fluid;
+    const bool heated = fluid.us_up.gamma0 != 0;
+    const int n = static_cast<int>(particles.size());
+    Particles& s = particles;
+    double speed2 = 0, a2 = 0, compression = 0;
+    int worst = -1;
+#pragma omp parallel for schedule(static) reduction(max : speed2, a2, compression, worst)
+    for (int i = 0; i < n; ++i) {
+        const double ax = s.ax[i] + s.fx[i] + g[0], ay = s.ay[i] + s.fy[i] + g[1],
+                     az = s.az[i] + s.fz[i] + g[2];
+        s.vx[i] += kick * ax;
+        s.vy[i] += kick * ay;
+        s.vz[i] += kick * az;
+        s.x[i] += dt * s.vx[i];
+        s.y[i] += dt * s.vy[i];
+        s.z[i] += dt * s.vz[i];
+        if (extrapolate) {
+            const double rate = s.drho_dt[i];
+            const double drho = dt * (rate + w * (rate - s.rate_before[i]));
+            if (heated) {
+                const double rho = fluid.rho0 + s.drho[i];
+                s.energy[i] += s.p[i] / (rho * rho) * drho;   // dE = p d(rho)/rho^2, adiabatic
+            }
+            s.drho[i] += drho;
+            s.rate_before[i] = rate;
+        }
+        const double v2 = s.vx[i] * s.vx[i] + s.vy[i] * s.vy[i] + s.vz[i] * s.vz[i];
+        speed2 = std::max(speed2, v2);
+        a2 = std::max(a2, ax * ax + ay * ay + az * az);
+        compression = std::max(compression, std::abs(s.drho[i]));
+        // one comparison catches NaN and infinity in velocity and density at once
+        if (!(v2 + std::abs(s.drho[i]) < 1e300)) worst = std::max(worst, i);
+    }
+    fastest_ = std::sqrt(speed2);
+    reach_ += fastest_ * dt;
+    for (const PlateWall& plate : plates.walls) {
+        const Vec3& v = plate.velocity;
+        reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);
+    }
+    return {fastest_, std::sqrt(a2), compression / fluid.rho0, worst < 0, worst};
+}
+
+void FluidSystem::keep_inside() {
+    Particles& s = particles;
+    for (std::size_t i = 0; i < s.size(); ++i)
+        if (mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i])) ++put_back_;
+    if (!domain_) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        const double at[3] = {s.x[i], s.y[i], s.z[i]};
+        bool inside = true;
+        for (int a = 0; a < 3; ++a)
+            inside = inside && at[a] >= domain_->min[a] && at[a] <= domain_->max[a];
+        if (!inside) {
+            removed_.push_back({s.id[i], {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}});
+            index_[s.id[i]] = -1;
+            continue;
+        }
+        if (kept != i) {
+            for (auto* a : {&s.x, &s.y, &s.z, &s.vx, &s.vy, &s.vz, &s.drho, &s.energy, &s.rate,
+                            &s.rate_before, &s.p, &s.fx, &s.fy, &s.fz})
+                (*a)[kept] = (*a)[i];
+            s.id[kept] = s.id[i];
+            s.fluid[kept] = s.fluid[i];
+        }
+        ++kept;
+    }
+    if (kept != s.size()) s.resize(kept);
+}
+
+double FluidSystem::mean_neighbors() const {
+    const std::vector<Packed>& records = neighbors_.records();
+    const ClusterLists& lists = neighbors_.fluid_lists();
+    const double r2 = std::pow(support() / neighbors_.fixed().unit, 2);
+    std::int64_t pairs = 0;
+    for (int i = 0; i < neighbors_.fluid_count(); ++i)
+        for (const int* at = lists.begin(i / lanes); at != lists.end(i / lanes); ++at) {
+            const double dx = double(records[i].x) - records[*at].x,
+                         dy = double(records[i].y) - records[*at].y,
+                         dz = double(records[i].z) - records[*at].z;
+            pairs += *at != i && dx * dx + dy * dy + dz * dz < r2;
+        }
+    return neighbors_.fluid_count() ? double(pairs) / neighbors_.fluid_count() : 0;
+}
+
+}  // namespace undertow::sph

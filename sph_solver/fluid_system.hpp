@@ -1,0 +1,96 @@
+#pragma once
+// The fluid and what surrounds it: particles, rigid walls, neighbor lists, and the operations that the
+// loop in solver.cpp names. No wire, no files.
+
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "sph_solver/boundary/mirror_planes.hpp"
+#include "sph_solver/boundary/plates.hpp"
+#include "sph_solver/neighbors/neighborhood.hpp"
+#include "sph_solver/particles.hpp"
+#include "sph_solver/physics/pair_sums.hpp"
+
+namespace undertow::sph {
+
+/// What one step reveals about the state; reduced in the kernels, checked once per step by the loop.
+struct Health {
+    double max_speed = 0;          // [m/s]
+    double max_acceleration = 0;   // [m/s2]
+    double max_compression = 0;    // largest |rho/rho0 - 1|
+    bool finite = true;
+    int worst = -1;                // particle (sorted index) that is not finite
+};
+
+struct Removed {
+    std::int64_t id;
+    Vec3 x, v;                     // [m], [m/s]
+};
+
+class FluidSystem {
+ public:
+    explicit FluidSystem(const Case& input);
+
+    // ---- the operations of a step, in order of use
+    /// Sorts and rebuilds all lists if a particle may have moved half the skin. Returns true if so.
+    bool refresh_neighbors(double t);
+    /// Packs positions, velocities, volumes and pressures of fluid, plates and images at time t.
+    void pack(double t);
+    /// Sums over neighbors: rates, forces or both.
+    void sum_over_neighbors(Terms terms) {
+        undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
+    }
+    /// Adds the shear stress of no-slip walls to the accelerations just summed.
+    void add_wall_friction();
+    /// rho += dt * D (two-pass: D just summed).
+    void advance_density(double dt);
+    /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
+    /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
+    Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
+    /// Puts particles that got behind a wall back; removes those that left the domain.
+    void keep_inside();
+
+    /// Index of a particle by identity, -1 if it was removed.
+    int index_of(std::int64_t id) const { return index_[id]; }
+
+    // ---- what others want to know
+    double reach() const { return reach_; }       // bound on displacement since the last rebuild [m]
+    double spacing() const { return spacing_; }   // [m]
+    double support() const { return neighbors_.support(); }
+    const PairPhysics& physics() const { return physics_; }
+    const FluidLaw& fluid() const { return physics_.fluid; }
+    const Neighborhood& neighbors() const { return neighbors_; }
+    const MirrorPlanes& mirror() const { return mirror_; }
+    const std::vector<Removed>& removed() const { return removed_; }
+    std::int64_t put_back() const { return put_back_; }
+    std::int64_t rebuilds() const { return rebuilds_; }
+    double mean_neighbors() const;                // within 2h, images included
+    Vec3 gravity() const { return physics_.gravity; }
+
+    Particles particles;
+    Plates plates;
+
+ private:
+    void pack_fluid();
+    void pack_extras(double t);
+    void extrapolate_to_plates(double t);
+    void find_rubbing();
+
+    PairPhysics physics_;
+    double spacing_;
+    MirrorPlanes mirror_;
+    Neighborhood neighbors_;
+    std::optional<Box> domain_;
+    struct Rubbing {
+        int particle, plane;
+    };
+    std::vector<Rubbing> rubbing_;  // particles near no-slip planes
+    std::vector<int> index_;        // identity -> sorted index
+    double reach_ = 1e300;          // forces the first rebuild
+    double fastest_ = 0;            // of the last step [m/s]
+    std::vector<Removed> removed_;
+    std::int64_t put_back_ = 0, rebuilds_ = 0;
+};
+
+}  // namespace undertow::sph

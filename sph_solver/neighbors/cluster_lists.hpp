@@ -1,0 +1,37 @@
+#pragma once
+// Buffered Verlet lists, one per cluster of eight consecutive target particles: every source that is
+// within `range` of any of the eight. The lanes of the pair loop are the eight targets, the list is
+// walked one source at a time (single-j lists: no races, same sums for any number of threads).
+
+#include <cstdint>
+#include <vector>
+
+#include "sph_solver/neighbors/column_grid.hpp"
+#include "sph_solver/particles.hpp"
+
+namespace undertow::sph {
+
+/// Where the sources of one kind stand: their records are sorted by cell from index `base` on.
+struct SourceCells {
+    const std::vector<int>* start;   // [cells + 1] relative to base
+    int base;
+};
+
+class ClusterLists {
+ public:
+    /// Targets are records [first, first + n), eight a cluster. range [m].
+    void build(const ColumnGrid& grid, const FixedPoint& fixed, const std::vector<Packed>& records,
+               int first, int n, const std::vector<SourceCells>& sources, double range);
+
+    int clusters() const { return static_cast<int>(begin_.size()); }
+    const int* begin(int c) const { return begin_[c]; }
+    const int* end(int c) const { return begin_[c] + count_[c]; }
+    std::int64_t entries() const;
+
+ private:
+    std::vector<const int*> begin_;
+    std::vector<int> count_;
+    std::vector<std::vector<int>> buffer_;   // one per block of clusters; keeps its capacity
+};
+
+}  // namespace undertow::sph

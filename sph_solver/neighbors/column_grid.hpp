@@ -1,0 +1,74 @@
+#pragma once
+// Cells that stand in columns: wide in x and y, thin in z. Particles sorted by cell number walk up one
+// column and down the next (and the rows of columns back and forth), so that any eight consecutive
+// ones lie close together: they form a cluster, the lanes of the pair loop.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace undertow::sph {
+
+class ColumnGrid {
+ public:
+    /// lo, hi [m]: bounds of everything that will be binned; width, height of a cell [m].
+    void lay_out(const double lo[3], const double hi[3], double width, double height) {
+        x0_ = lo[0], y0_ = lo[1], z0_ = lo[2];
+        inverse_width_ = 1 / width, inverse_height_ = 1 / height;
+        nx_ = count(hi[0] - x0_, inverse_width_);
+        ny_ = count(hi[1] - y0_, inverse_width_);
+        nz_ = count(hi[2] - z0_, inverse_height_);
+    }
+
+    std::int64_t cells() const { return std::int64_t(nx_) * ny_ * nz_; }
+    int columns_x() const { return nx_; }
+    int columns_y() const { return ny_; }
+
+    int column_x(double x) const { return clamp((x - x0_) * inverse_width_, nx_); }
+    int column_y(double y) const { return clamp((y - y0_) * inverse_width_, ny_); }
+    int level(double z) const { return clamp((z - z0_) * inverse_height_, nz_); }
+
+    std::int64_t cell(double x, double y, double z) const {
+        const std::int64_t column = rank(column_x(x), column_y(y));
+        const int k = level(z);
+        return column * nz_ + (column % 2 ? nz_ - 1 - k : k);
+    }
+
+    /// Cells of column (ix, iy) between levels k0 and k1: [first, last], consecutive numbers.
+    void range(int ix, int iy, int k0, int k1, std::int64_t& first, std::int64_t& last) const {
+        const std::int64_t column = rank(ix, iy);
+        first = column * nz_ + (column % 2 ? nz_ - 1 - k1 : k0);
+        last = column * nz_ + (column % 2 ? nz_ - 1 - k0 : k1);
+    }
+
+ private:
+    static int count(double extent, double inverse) {
+        return std::max(1, static_cast<int>(std::floor(extent * inverse)) + 1);
+    }
+    static int clamp(double cell, int n) {
+        return static_cast<int>(std::clamp(cell, 0.0, n - 1.0));
+    }
+    std::int64_t rank(int ix, int iy) const {
+        return std::int64_t(iy) * nx_ + (iy % 2 ? nx_ - 1 - ix : ix);
+    }
+
+    double x0_ = 0, y0_ = 0, z0_ = 0, inverse_width_ = 1, inverse_height_ = 1;
+    int nx_ = 1, ny_ = 1, nz_ = 1;
+};
+
+/// Counting sort: order[k] is the item that comes k-th, start[c] where cell c begins. Stable, so the
+/// result depends on nothing but the input.
+inline void counting_sort(const std::vector<std::int64_t>& cell, std::int64_t cells,
+                          std::vector<int>& order, std::vector<int>& start) {
+    start.assign(cells + 1, 0);
+    for (const std::int64_t c : cell) ++start[c + 1];
+    for (std::int64_t c = 0; c < cells; ++c) start[c + 1] += start[c];
+    order.resize(cell.size());
+    // start is used as the running cursor and shifted back afterwards
+    for (std::size_t i = 0; i < cell.size(); ++i) order[start[cell[i]]++] = static_cast<int>(i);
+    for (std::int64_t c = cells; c > 0; --c) start[c] = start[c - 1];
+    start[0] = 0;
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,82 @@
+#pragma once
+// Everything the pair loop walks over: packed records of the fluid, then of plates and mirror images
+// ("extras"), and the cluster lists over them. Rebuilt when a particle may have moved half the skin.
+
+#include <vector>
+
+#include "sph_solver/boundary/mirror_planes.hpp"
+#include "sph_solver/boundary/plates.hpp"
+#include "sph_solver/neighbors/cluster_lists.hpp"
+#include "sph_solver/particles.hpp"
+
+namespace undertow::sph {
+
+/// A record beyond the fluid: a plate's dummy, or the image of a particle or of a dummy.
+struct Extra {
+    int source;        // particle (sorted index) or dummy
+    PlaneMask mask;    // planes it is mirrored at; 0 = the dummy itself
+    bool from_plate;
+};
+
+class Neighborhood {
+ public:
+    /// support: 2h [m]; skin [m]; spacing dx [m].
+    Neighborhood(double support, double skin, double spacing)
+        : support_(support), skin_(skin), spacing_(spacing) {}
+
+    /// Sorts the particles (all arrays), finds the extras, and builds all lists.
+    void rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
+
+    bool due(double reach) const { return 2 * reach > skin_; }
+    double support() const { return support_; }
+    double skin() const { return skin_; }
+
+    const FixedPoint& fixed() const { return fixed_; }
+    const ColumnGrid& grid() const { return grid_; }
+    std::vector<Packed>& records() { return records_; }
+    const std::vector<Packed>& records() const { return records_; }
+    const std::vector<Extra>& extras() const { return extras_; }
+    const ClusterLists& fluid_lists() const { return fluid_lists_; }
+    const ClusterLists& plate_lists() const { return plate_lists_; }
+    /// Dummies as targets of plate_lists(), in that order.
+    const std::vector<int>& plate_targets() const { return plate_targets_; }
+    int fluid_count() const { return fluid_count_; }
+    int first_extra() const { return fluid_count_; }
+
+    /// Calls f(record index) for every record whose cell is within `range` of the point.
+    template <class F>
+    void for_each_near(double x, double y, double z, double range, F&& f) const {
+        const double r = range + skin_;
+        const int k0 = grid_.level(z - r), k1 = grid_.level(z + r);
+        for (int iy = grid_.column_y(y - r); iy <= grid_.column_y(y + r); ++iy)
+            for (int ix = grid_.column_x(x - r); ix <= grid_.column_x(x + r); ++ix) {
+                std::int64_t c0, c1;
+                grid_.range(ix, iy, k0, k1, c0, c1);
+                for (int j = fluid_start_[c0]; j < fluid_start_[c1 + 1]; ++j) f(j);
+                for (int j = extra_start_[c0]; j < extra_start_[c1 + 1]; ++j) f(fluid_count_ + j);
+            }
+    }
+
+ private:
+    void lay_out_grid(const Particles& particles);
+    void sort(Particles& particles);
+    void find_extras(const Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
+
+    double support_, skin_, spacing_;   // [m]
+    double lo_[3], hi_[3];              // [m] bounds of the grid
+    ColumnGrid grid_;
+    FixedPoint fixed_;
+    int fluid_count_ = 0;
+    std::vector<Extra> extras_, unsorted_extras_;
+    std::vector<Packed> records_, plate_records_;
+    std::vector<int> fluid_start_, extra_start_, image_start_, order_, plate_targets_;
+    std::vector<std::int64_t> cell_;
+    std::vector<double> scratch_;
+    std::vector<float> scratch_float_;
+    std::vector<std::int64_t> scratch_id_;
+    std::vector<std::uint8_t> scratch_byte_;
+    std::vector<PlaneMask> masks_;
+    ClusterLists fluid_lists_, plate_lists_;
+};
+
+}  // namespace undertow::sph

@@ -1,0 +1,60 @@
+#pragma once
+// The state of the fluid: a structure of arrays, sorted along columns at each list rebuild.
+
+#include <cstdint>
+#include <vector>
+
+namespace undertow::sph {
+
+struct Particles {
+    std::vector<double> x, y, z;       // position at t^n [m], [n]
+    std::vector<double> vx, vy, vz;    // velocity at t^{n-1/2} [m/s], [n]
+    std::vector<double> drho;          // density minus reference density [kg/m3], [n]: never the
+                                       // density itself, whose last digits carry the pressure
+    std::vector<double> energy;        // specific internal energy [J/kg], [n]; 0 unless Gamma0 != 0
+    std::vector<double> rate;          // d(rho)/dt at the last step [kg/m3/s], [n]
+    std::vector<double> rate_before;   // the one before [kg/m3/s], [n]
+    std::vector<double> p;             // pressure [Pa], [n]
+    std::vector<double> fx, fy, fz;    // contact acceleration of this step [m/s2], [n]
+    std::vector<std::int64_t> id;      // identity, constant during the run, [n]
+    std::vector<std::uint8_t> fluid;   // index of the fluid, [n]
+
+    // results of the pair sums; float, padded to full clusters of eight
+    std::vector<float> ax, ay, az;     // acceleration without gravity and contact [m/s2]
+    std::vector<float> drho_dt;        // continuity + density diffusion [kg/m3/s]
+
+    std::size_t size() const { return x.size(); }
+
+    void resize(std::size_t n) {
+        for (auto* a : {&x, &y, &z, &vx, &vy, &vz, &drho, &energy, &rate, &rate_before, &p, &fx,
+                        &fy, &fz})
+            a->resize(n, 0.0);
+        id.resize(n);
+        fluid.resize(n, 0);
+        for (auto* a : {&ax, &ay, &az, &drho_dt}) a->resize((n + 7) / 8 * 8, 0.0f);
+    }
+};
+
+/// What a neighbor shows of itself in the pair loop: 32 bytes, one broadcast load per member.
+struct alignas(32) Packed {
+    std::int32_t x, y, z;   // fixed-point position [FixedPoint::unit]
+    float volume;           // m/rho [m^d]
+    float vx, vy, vz;       // [m/s]
+    float p;                // [Pa]
+};
+
+/// Positions as integers around the middle of the scene: differences are exact, and a particle that
+/// creeps by 1e-9 m still moves (float32 coordinates would stand still).
+struct FixedPoint {
+    double unit = 1;        // [m]
+    double x0 = 0, y0 = 0, z0 = 0;   // [m]
+
+    std::int32_t operator()(double a, double a0) const {
+        return static_cast<std::int32_t>(static_cast<std::int64_t>((a - a0) * inverse + bias) -
+                                         static_cast<std::int64_t>(bias));
+    }
+    double inverse = 1;     // [1/m]
+    static constexpr double bias = 4294967296.0;   // makes the truncation a rounding downwards
+};
+
+}  // namespace undertow::sph
