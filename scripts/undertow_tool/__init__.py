@@ -1,0 +1,1 @@
+"""The parts of scripts/undertow: one module per idea, the commands in commands.py."""

@@ -1,0 +1,151 @@
+"""What a case will cost, without running it: particles, elements, memory, steps, wall time."""
+import math
+from pathlib import Path
+
+import numpy as np
+
+# Measured on two Zen 4 cores at 96 neighbors; other machines differ, so the result is an estimate.
+PARTICLE_STEPS_PER_S = 14e6 / 2       # per core
+ELEMENT_STEPS_PER_S = 20e6            # per core, one-point hexahedra in double
+SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does not hide
+PARTICLE_BYTES = 400                  # state in double, packed copies, neighbor list
+ELEMENT_BYTES = 600                   # node and element state, connectivity
+SPH_STEP_MARGIN = 0.75                # a run's mean step over the estimate: impacts shorten it
+ONE_PASS, TWO_PASS = 0.5, 1.3         # c0 dt/dx of the two integrators, with their margins
+
+
+def boxes_of(case):
+    return [fill["box"] for fill in case["sph"]["fill"]]
+
+
+def particles(case):
+    """Number of particles of all fills, cell-centered."""
+    dx = case["sph"]["spacing"]
+    axes = (0, 2) if case["case"]["dimension"] == 2 else (0, 1, 2)
+    return sum(math.prod(max(1, round((box["max"][k] - box["min"][k]) / dx)) for k in axes)
+               for box in boxes_of(case))
+
+
+def expected_speed(case):
+    """sph.max_speed, or 2 sqrt(g H) + |v| of the fills."""
+    if case["sph"]["max_speed"] > 0:
+        return case["sph"]["max_speed"]
+    height = max(b["max"][2] for b in boxes_of(case)) - min(b["min"][2] for b in boxes_of(case))
+    start = max(math.hypot(*fill["velocity"]) for fill in case["sph"]["fill"])
+    return 2 * math.sqrt(abs(case["case"]["gravity"][2]) * height) + start
+
+
+def sph_step(case):
+    """(dt [s], what limits it): sound."""
+    sph, speed = case["sph"], expected_speed(case)
+    c0 = max(10 * speed if f["sound_speed"] == "auto" else f["sound_speed"] for f in sph["fluid"])
+    h = sph["smoothing_ratio"] * sph["spacing"]
+    if sph["cfl"] > 0:
+        dt = sph["cfl"] * h / (c0 + speed)
+    else:
+        courant = ONE_PASS if sph["integrator"] == "one_pass" or case["fem"] else TWO_PASS
+        dt = courant * sph["spacing"] / (c0 + speed)
+    return dt, f"sound, c0 = {c0:.4g} m/s"
+
+
+def read_hexahedra(path):
+    """(edge lengths' minimum [m], number of hexahedra) of an ASCII Gmsh 4.1 file, or None."""
+    try:
+        lines = iter(path.read_text().splitlines())
+        nodes, shortest, count = {}, math.inf, 0
+        for line in lines:
+            if line == "$Nodes":
+                for _ in range(int(next(lines).split()[0])):
+                    n = int(next(lines).split()[3])
+                    tags = [int(next(lines)) for _ in range(n)]
+                    nodes.update((tag, np.array(next(lines).split()[:3], dtype=float)) for tag in tags)
+            elif line == "$Elements":
+                for _ in range(int(next(lines).split()[0])):
+                    _, _, kind, n = map(int, next(lines).split())
+                    rows = [next(lines).split() for _ in range(n)]
+                    if kind != 5:
+                        continue
+                    count += n
+                    for row in rows:
+                        p = [nodes[int(tag)] for tag in row[1:9]]
+                        for a, b in ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 5), (2, 6), (3, 7)):
+                            shortest = min(shortest, float(np.linalg.norm(p[a] - p[b])))
+        return (shortest, count) if count else None
+    except (OSError, ValueError, StopIteration, KeyError, IndexError):
+        return None
+
+
+def fem_mesh(case):
+    """(least length [m], elements, surface facets or None)."""
+    block = case["fem"]["block"]
+    if block is None:
+        found = read_hexahedra(Path(case["folder"]) / case["fem"]["mesh"])
+        return (*found, None) if found else None
+    n = block["divisions"]
+    lengths = [(block["box"]["max"][k] - block["box"]["min"][k]) / n[k] for k in range(3)]
+    facets = {"x": n[1] * n[2], "y": n[0] * n[2], "z": n[0] * n[1]}
+    return min(lengths), math.prod(n), sum(facets[s["set"][0]] for s in case["fem"]["surface"])
+
+
+def wave_speed(material):
+    """c_p = sqrt(E (1-nu) / ((1+nu)(1-2nu) rho))  [m/s]"""
+    e, nu, rho = (material[k] for k in ("young_modulus", "poisson_ratio", "density"))
+    return math.sqrt(e * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * rho))
+
+
+def fem_step(case, length):
+    """(dt [s], what limits it): the fastest material in the smallest element."""
+    fastest = max(case["fem"]["material"], key=wave_speed)
+    c = wave_speed(fastest)
+    return case["fem"]["cfl"] * length / c, f"element, {fastest['name']}: L = {length:.3g} m, c_p = {c:.4g} m/s"
+
+
+def contact_facts(case):
+    """Particles of half a spacing against facets: lines about the interface."""
+    dx = case["sph"]["spacing"]
+    lines = [f"contact radius {dx / 2:.3g} m, search skin {case['coupling']['skin'] * dx:.3g} m, "
+             f"law {case['coupling']['law']}, beta {case['coupling']['beta']:g}, damping {case['coupling']['damping']:g}"]
+    mesh = fem_mesh(case) if case["fem"] else None
+    if mesh and mesh[2]:
+        names = ", ".join(s["name"] for s in case["fem"]["surface"])
+        lines.append(f"surface {names}: {mesh[2]:,} facets")
+    for patch in case["coupling"]["patch"]:
+        size = [patch["box"]["max"][k] - patch["box"]["min"][k] for k in range(3)]
+        if sorted(size)[0] < dx * (1 - 1e-9):
+            lines.append(f"patch {patch['name']} is thinner than a particle spacing: it will often be empty")
+    return lines
+
+
+def estimate(case, threads):
+    """A dict with everything `undertow check` prints."""
+    result = {"particles": 0, "elements": 0, "steps_of": {}, "notes": []}
+    work_s, dts = [], []
+    if case["sph"]:
+        result["particles"] = particles(case)
+        dt, why = sph_step(case)
+        dts.append((dt, f"sph: {why}"))
+    if case["fem"]:
+        mesh = fem_mesh(case)
+        if mesh:
+            result["elements"] = mesh[1]
+            dt, why = fem_step(case, mesh[0])
+            dts.append((dt, f"fem: {why}"))
+        else:
+            result["notes"].append(f"{case['fem']['mesh']} is no ASCII Gmsh 4.1 file of hexahedra: its step is not estimated")
+    dt, limiter = min(dts, default=(math.nan, "-"))
+    if case["time"]["max_step"] and case["time"]["max_step"] < dt:
+        dt, limiter = case["time"]["max_step"], "time.max_step"
+    margin = SPH_STEP_MARGIN if limiter.startswith("sph") else 1.0
+    steps = case["time"]["end"] / (margin * dt)
+    work_s.append(result["particles"] * steps / (PARTICLE_STEPS_PER_S * threads))
+    # The FEM solver has one thread beside the particle solver's, and computes at the same time
+    # only if a core is free.
+    work_s.append(result["elements"] * steps / ELEMENT_STEPS_PER_S)
+    if case["coupled"]:
+        work_s.append(steps * SECONDS_PER_COUPLED_STEP)
+        result["notes"] += contact_facts(case)
+    frames = case["time"]["end"] / case["output"]["fields_every"]
+    result.update(dts=dts, dt=dt, limiter=limiter, steps=steps, wall_s=sum(work_s),
+                  memory=result["particles"] * PARTICLE_BYTES + result["elements"] * ELEMENT_BYTES,
+                  disk=frames * (result["particles"] * 40 + result["elements"] * 100))
+    return result

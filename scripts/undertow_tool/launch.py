@@ -1,0 +1,227 @@
+"""Starts the programs of a run, watches them, ends them together."""
+import ctypes
+import os
+import shlex
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .errors import INTERRUPTED, PEER
+from .paths import program
+
+POLL = 0.05            # [s] between looks at the children
+GRACE = 15             # [s] the others get to end by themselves when one fails
+GRACE_TERMINATE = 5    # [s] between SIGTERM and SIGKILL
+
+
+@dataclass
+class Child:
+    name: str                       # "sph_solver"; also its log, NAME.log
+    command: list
+    threads: int
+    screen: bool = False            # its stderr goes to the screen (the live line)
+    process: subprocess.Popen = None
+    code: int = None
+    ended: float = None             # [s] monotonic
+
+
+@dataclass
+class Outcome:
+    code: int                       # exit code to pass through
+    wall_s: float
+    failed: Child = None            # whose failure came first
+    children: list = field(default_factory=list)
+
+
+def split_threads(total, names):
+    """The particle solver does nearly all the work and gets every core; the others wait for it most
+    of the time and get one thread each. A solver that is alone gets all."""
+    main = "sph_solver" if "sph_solver" in names else names[-1]
+    return {name: (total if name == main else 1) for name in names}
+
+
+def environment(threads):
+    """Three programs share the cores: an OpenMP thread that has nothing to do must sleep."""
+    env = {k: v for k, v in os.environ.items() if k not in ("OMP_PROC_BIND", "OMP_PLACES", "GOMP_CPU_AFFINITY")}
+    env.update(OMP_NUM_THREADS=str(threads), OMP_WAIT_POLICY="passive", GOMP_SPINCOUNT="0",
+               UNDERTOW_CASE_TOOL=str(program("undertow_case")))
+    return env
+
+
+def backend_command(backend):
+    """A stand-in for fem_solver: an executable, or a Python script."""
+    path = Path(backend).resolve()
+    if path.suffix == ".py" and not os.access(path, os.X_OK):
+        return ["/usr/bin/python3", str(path)]
+    return [str(path)]
+
+
+def free_endpoint(transport, folder):
+    if transport == "tcp":
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            return f"tcp://127.0.0.1:{probe.getsockname()[1]}"
+    return f"ipc://{folder}/coupler.sock"
+
+
+def plan(case, layer_options, out, threads, backend, quiet, endpoint):
+    """The programs of a run, the coupler first: a list of Child."""
+    common = [case["file"], "--out", str(out), *layer_options]
+    shown = ["--quiet"] if quiet else []
+    fem = backend_command(backend) if backend else [str(program("fem_solver"))] if case["fem"] else None
+    if case["coupled"]:
+        share = split_threads(threads, ["coupler", "sph_solver", "fem_solver"])
+        return [
+            Child("coupler", [str(program("coupler")), *common, "--endpoint", endpoint, *shown], 1, screen=True),
+            Child("sph_solver", [str(program("sph_solver")), *common, "--coupler", endpoint, "--threads",
+                                 str(share["sph_solver"]), *shown], share["sph_solver"]),
+            Child("fem_solver", [*fem, *common, "--coupler", endpoint, "--threads", "1", *shown], 1),
+        ]
+    name = "sph_solver" if case["sph"] else "fem_solver"
+    command = [str(program("sph_solver"))] if case["sph"] else fem
+    return [Child(name, [*command, *common, "--alone", "--threads", str(threads), *shown], threads, screen=True)]
+
+
+def end_with_parent():
+    """In the child: if the launcher is killed, the kernel asks this program to end as well."""
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
+
+
+class Watch:
+    """Runs the children to their common end."""
+
+    def __init__(self, children, out):
+        self.children = children
+        self.out = out
+        self.interrupts = 0
+        self.deadline = None          # [s] monotonic, when the next harder signal is due
+        self.harder = [signal.SIGTERM, signal.SIGKILL]
+
+    def run(self):
+        started = time.monotonic()
+        previous = {number: signal.signal(number, self._interrupted) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            for child in self.children:
+                self._start(child)
+            while any(child.code is None for child in self.children):
+                self._reap()
+                self._press()
+                time.sleep(POLL)
+        finally:
+            self._kill_all()
+            for number, handler in previous.items():
+                signal.signal(number, handler)
+        return self._outcome(time.monotonic() - started)
+
+    def _start(self, child):
+        stderr = None if child.screen else open(self.out / f"{child.name}.stderr", "wb")
+        try:
+            # A session of its own: Ctrl-C reaches this launcher only, which ends the run in order.
+            child.process = subprocess.Popen(child.command, env=environment(child.threads),
+                                             stdin=subprocess.DEVNULL, stderr=stderr,
+                                             stdout=None if child.screen else stderr,
+                                             start_new_session=True, preexec_fn=end_with_parent)
+        finally:
+            if stderr:
+                stderr.close()
+
+    def _interrupted(self, _number, _frame):
+        self.interrupts += 1
+        if self.interrupts == 1:
+            # The coupler (or the solver that is alone) ends the run; the others follow by FINISH.
+            self._signal(self.children[0], signal.SIGINT)
+        else:
+            self.deadline = time.monotonic()
+
+    @staticmethod
+    def _signal(child, number):
+        if child.process and child.code is None:
+            try:
+                os.killpg(child.process.pid, number)
+            except ProcessLookupError:
+                pass
+
+    def _reap(self):
+        for child in self.children:
+            if child.code is None and child.process and child.process.poll() is not None:
+                child.code = child.process.returncode
+                child.ended = time.monotonic()
+                if child.code != 0 and self.deadline is None:
+                    self.deadline = child.ended + GRACE
+
+    def _press(self):
+        """Signals of rising strength to whoever is left when a deadline has passed."""
+        if self.deadline is None or time.monotonic() < self.deadline or not self.harder:
+            return
+        number = self.harder.pop(0)
+        for child in self.children:
+            self._signal(child, number)
+        self.deadline = time.monotonic() + GRACE_TERMINATE
+
+    def _kill_all(self):
+        for child in self.children:
+            self._signal(child, signal.SIGKILL)
+        for child in self.children:
+            if child.process:
+                child.process.wait()
+
+    def _outcome(self, wall_s):
+        if self.interrupts:
+            return Outcome(INTERRUPTED, wall_s, None, self.children)
+        failed = first_failure(self.children)
+        if failed is None:
+            return Outcome(0, wall_s, None, self.children)
+        return Outcome(failed.code if failed.code > 0 else PEER, wall_s, failed, self.children)
+
+
+def first_failure(children):
+    """Whose failure is the cause. Within two seconds of the first end, a program that failed by itself
+    (input, physics, a crash) comes before one that only lost its peer."""
+    failed = sorted((child for child in children if child.code), key=lambda child: child.ended)
+    if not failed:
+        return None
+    near = [child for child in failed if child.ended - failed[0].ended < 2]
+    return next((child for child in near if child.code != PEER), failed[0])
+
+
+def last_words(child, out, lines=10):
+    """The end of a program's log, or of what it printed."""
+    for path in (out / f"{child.name}.log", out / f"{child.name}.stderr"):
+        try:
+            text = path.read_text(errors="replace").strip().splitlines()
+        except FileNotFoundError:
+            continue
+        if text:
+            return path, text[-lines:]
+    return None, []
+
+
+def how_it_ended(child):
+    if child.code < 0:
+        return f"was ended by signal {-child.code} ({signal.strsignal(-child.code)})"
+    return f"failed with exit code {child.code}"
+
+
+def run_programs(case, layer_options, out, threads, backend, quiet):
+    """Runs a case; returns an Outcome. The socket lives in a private folder that goes with the run."""
+    private = tempfile.mkdtemp(prefix="undertow-")       # mode 0700
+    try:
+        endpoint = free_endpoint((case["coupling"] or {}).get("transport", "ipc"), private)
+        children = plan(case, layer_options, out, threads, backend, quiet, endpoint)
+        (out / "commands.txt").write_text("".join(shlex.join(map(str, c.command)) + "\n" for c in children))
+        sys.stdout.flush()
+        outcome = Watch(children, out).run()
+    finally:
+        shutil.rmtree(private, ignore_errors=True)
+    for child in children:
+        silent = out / f"{child.name}.stderr"
+        if silent.exists() and silent.stat().st_size == 0:
+            silent.unlink()
+    return outcome

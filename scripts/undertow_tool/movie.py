@@ -1,0 +1,77 @@
+"""An mp4 from the field files: numpy splat, matplotlib axes, ffmpeg."""
+import shutil
+import subprocess
+
+import numpy as np
+
+from .errors import UserError
+from .fields import open_fields
+from .paths import shown
+from .pictures import colorbar, draw_mesh, draw_particles, new_figure, plt
+
+
+def frame_extent(case, sph, fem):
+    """What the camera sees: all that ever is inside the domain, with a margin."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for fields in (sph, fem):
+        for step in ((0, len(fields) // 2, len(fields) - 1) if fields else ()):
+            x = fields.read(step)[0]
+            if len(x):
+                low, high = np.minimum(low, x.min(axis=0)), np.maximum(high, x.max(axis=0))
+    margin = 0.03 * max(high[0] - low[0], high[2] - low[2])
+    return low[0] - margin, high[0] + margin, low[2] - margin, high[2] + margin
+
+
+def speed_limits(sph):
+    """0 to the 98th percentile of the fastest frames: a few jets must not darken the rest."""
+    steps = np.unique(np.linspace(0, len(sph) - 1, 12).astype(int))
+    tops = []
+    for step in steps:
+        velocity = sph.read(step, "velocity")[1]
+        if velocity is not None and len(velocity):
+            tops.append(np.percentile(np.linalg.norm(velocity, axis=1), 98))
+    return 0.0, max(max(tops, default=1.0), 1e-6)
+
+
+def make_movie(out, case, path, fps=25, height=720):
+    """Writes `path`; returns the number of frames."""
+    if not shutil.which("ffmpeg"):
+        raise UserError("ffmpeg is not installed: run scripts/setup.sh.")
+    sph, fem = open_fields(out / "sph.vtkhdf"), open_fields(out / "fem.vtkhdf")
+    if sph is None and fem is None:
+        raise UserError(f"{shown(out)} has no field output (sph.vtkhdf, fem.vtkhdf) to make a movie from.")
+    extent = frame_extent(case, sph, fem)
+    limits = speed_limits(sph) if sph else (0, 1)
+    ratio = np.clip((extent[1] - extent[0]) / (extent[3] - extent[2]), 0.8, 2.6)
+    size = (2 * round(height * ratio / 2), 2 * round(height / 2))
+    figure = new_figure((size[0] / 100, size[1] / 100))
+    figure.set_dpi(100)
+    axes = figure.add_axes([0.05, 0.09, 0.84, 0.83])
+    if sph:
+        colorbar(figure, axes, limits, "speed [m/s]", cax=figure.add_axes([0.92, 0.15, 0.015, 0.7]))
+    lead = sph or fem
+    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba",
+               "-s", f"{size[0]}x{size[1]}", "-r", str(fps), "-i", "-", "-c:v", "libx264",
+               "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart", str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE) as ffmpeg:
+        for step, t in enumerate(lead.times):
+            axes.clear()
+            axes.set_title(f"{case['case']['title']}    t = {t:.3f} s")
+            if sph:
+                x, velocity = sph.read(step, "velocity")
+                speed = np.linalg.norm(velocity, axis=1) if velocity is not None else np.zeros(len(x))
+                draw_particles(axes, x, speed, extent, case["sph"]["spacing"], limits, width=size[0])
+            else:
+                axes.set_xlim(*extent[:2])
+                axes.set_ylim(*extent[2:])
+            if fem and fem.hexahedra is not None:
+                draw_mesh(axes, fem.read(fem.nearest(t))[0], fem.hexahedra)
+            axes.set_aspect("equal")
+            axes.grid(False)
+            figure.canvas.draw()
+            ffmpeg.stdin.write(figure.canvas.buffer_rgba())
+        ffmpeg.stdin.close()
+    plt.close(figure)
+    if ffmpeg.returncode != 0:
+        raise UserError(f"ffmpeg failed with code {ffmpeg.returncode}; its message stands above.")
+    return len(lead)
