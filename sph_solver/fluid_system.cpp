@@ -224,11 +224,18 @@ void FluidSystem::add_wall_friction() {
 }
 
 void FluidSystem::advance_density(double dt) {
+    const bool heated = physics_.fluid.us_up.gamma0 != 0;
     const int n = static_cast<int>(particles.size());
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
-        particles.drho[i] += dt * particles.drho_dt[i];
-        particles.rate[i] = particles.drho_dt[i];
+        const double drho = dt * particles.drho_dt[i];
+        if (heated) {
+            const double rho = physics_.fluid.rho0 + particles.drho[i];
+            particles.energy[i] += particles.p[i] / (rho * rho) * drho;
+        }
+        particles.drho[i] += drho;
+        // a switch to one pass would start from this rate
+        particles.rate_before[i] = particles.drho_dt[i];
     }
 }
 
@@ -274,6 +281,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     }
     fastest_ = std::sqrt(speed2);
     reach_ += fastest_ * dt;
+    travelled_ += fastest_ * dt;
     for (const PlateWall& plate : plates.walls) {
         const Vec3& v = plate.velocity;
         reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);
@@ -298,7 +306,7 @@ void FluidSystem::keep_inside() {
             continue;
         }
         if (kept != i) {
-            for (auto* a : {&s.x, &s.y, &s.z, &s.vx, &s.vy, &s.vz, &s.drho, &s.energy, &s.rate,
+            for (auto* a : {&s.x, &s.y, &s.z, &s.vx, &s.vy, &s.vz, &s.drho, &s.energy,
                             &s.rate_before, &s.p, &s.fx, &s.fy, &s.fz})
                 (*a)[kept] = (*a)[i];
             s.id[kept] = s.id[i];

@@ -2,7 +2,7 @@
 // The fluid and what surrounds it: particles, rigid walls, neighbor lists, and the operations that the
 // loop in solver.cpp names. No wire, no files.
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "case/case.hpp"
@@ -56,6 +56,8 @@ class FluidSystem {
 
     // ---- what others want to know
     double reach() const { return reach_; }       // bound on displacement since the last rebuild [m]
+    double travelled() const { return travelled_; }   // the same since the start [m]
+    double fastest() const { return fastest_; }       // largest speed [m/s]
     double spacing() const { return spacing_; }   // [m]
     double support() const { return neighbors_.support(); }
     const PairPhysics& physics() const { return physics_; }
@@ -88,6 +90,7 @@ class FluidSystem {
     std::vector<Rubbing> rubbing_;  // particles near no-slip planes
     std::vector<int> index_;        // identity -> sorted index
     double reach_ = 1e300;          // forces the first rebuild
+    double travelled_ = 0;          // [m]
     double fastest_ = 0;            // of the last step [m/s]
     std::vector<Removed> removed_;
     std::int64_t put_back_ = 0, rebuilds_ = 0;

@@ -12,8 +12,7 @@ struct Particles {
     std::vector<double> drho;          // density minus reference density [kg/m3], [n]: never the
                                        // density itself, whose last digits carry the pressure
     std::vector<double> energy;        // specific internal energy [J/kg], [n]; 0 unless Gamma0 != 0
-    std::vector<double> rate;          // d(rho)/dt at the last step [kg/m3/s], [n]
-    std::vector<double> rate_before;   // the one before [kg/m3/s], [n]
+    std::vector<double> rate_before;   // d(rho)/dt of the step before [kg/m3/s], [n]
     std::vector<double> p;             // pressure [Pa], [n]
     std::vector<double> fx, fy, fz;    // contact acceleration of this step [m/s2], [n]
     std::vector<std::int64_t> id;      // identity, constant during the run, [n]
@@ -26,7 +25,7 @@ struct Particles {
     std::size_t size() const { return x.size(); }
 
     void resize(std::size_t n) {
-        for (auto* a : {&x, &y, &z, &vx, &vy, &vz, &drho, &energy, &rate, &rate_before, &p, &fx,
+        for (auto* a : {&x, &y, &z, &vx, &vy, &vz, &drho, &energy, &rate_before, &p, &fx,
                         &fy, &fz})
             a->resize(n, 0.0);
         id.resize(n);

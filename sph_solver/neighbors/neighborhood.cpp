@@ -57,8 +57,7 @@ void Neighborhood::sort(Particles& particles) {
         cell_[i] = grid_.cell(particles.x[i], particles.y[i], particles.z[i]);
     counting_sort(cell_, grid_.cells(), order_, fluid_start_);
     Particles& p = particles;
-    for (auto* a : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &p.drho, &p.energy, &p.rate,
-                    &p.rate_before, &p.p, &p.fx, &p.fy, &p.fz})
+    for (auto* a : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &p.drho, &p.energy, &p.rate_before, &p.p, &p.fx, &p.fy, &p.fz})
         permute(*a, order_, scratch_);
     permute(p.id, order_, scratch_id_);
     permute(p.fluid, order_, scratch_byte_);

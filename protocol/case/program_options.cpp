@@ -1,0 +1,76 @@
+#include "case/program_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "results/log.hpp"
+#include "results/stop_signal.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow {
+
+int run_program(int argc, char** argv, const Program& program) {
+    CLI::App app{program.description};
+    app.name(program.name);
+    app.set_version_flag("--version", program.name + " " UNDERTOW_VERSION);
+    ProgramOptions options;
+    bool alone = false;
+    app.add_option("CASE", options.case_path, "a .toml file, or a folder that holds case.toml")
+        ->required();
+    app.add_option("--out", options.folder, "folder of the results; default results/NAME");
+    app.add_option("--level", options.layers.level, "a [level.NAME] of the case");
+    app.add_option("--with", options.layers.variants, "a [variant.NAME]; may be repeated")
+        ->allow_extra_args(false);
+    app.add_option("--set", options.layers.set, "key=value, overrides a key; may be repeated")
+        ->allow_extra_args(false);
+    if (program.kind == ProgramKind::solver) {
+        auto* where = app.add_option_group("where", "alone or coupled");
+        where->add_flag("--alone", alone, "without a coupler");
+        where->add_option("--coupler", options.endpoint,
+                          "endpoint of the coupler, ipc:// or tcp://");
+        where->require_option(1);
+        app.add_option("--threads", options.threads, "default: all cores alone, one when coupled")
+            ->check(CLI::PositiveNumber);
+    } else {
+        app.add_option("--endpoint", options.endpoint,
+                       "where to listen: ipc:///folder/coupler.sock or tcp://127.0.0.1:port")
+            ->required();
+    }
+    app.add_flag("--quiet", options.quiet, "no live line");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? exit_done : exit_input;
+    }
+
+    try {
+        install_stop_signal();
+        return program.run(options);
+    } catch (const InputError& error) {
+        log_error(error.what());
+        return exit_input;
+    } catch (const PeerError& error) {
+        log_error(error.what());
+        return exit_peer;
+    } catch (const PhysicsError& error) {
+        log_error(error.what());
+        return exit_physics;
+    } catch (const std::exception& error) {   // a full disk, no memory
+        log_error(error.what());
+        return exit_input;
+    }
+}
+
+Case open_case(ProgramOptions& options, const std::string& program) {
+    Case input = read_case(options.case_path, options.layers);
+    if (options.folder.empty()) options.folder = "results/" + input.info.name;
+    std::error_code failed;
+    std::filesystem::create_directories(options.folder, failed);
+    if (failed)
+        throw InputError("--out: cannot make the folder " + options.folder + ": " +
+                         failed.message() + ".");
+    open_log(options.folder + "/" + program + ".log", program);
+    return input;
+}
+
+}  // namespace undertow

@@ -1,0 +1,41 @@
+#pragma once
+// The command line that all three programs share.
+//
+//     sph_solver CASE --out DIR [--level L] [--with V]... [--set key=value]...
+//                (--alone | --coupler ENDPOINT) [--threads N] [--quiet]
+//     coupler    CASE --out DIR --endpoint ENDPOINT [--level L] [--with V]... [--set key=value]...
+
+#include <functional>
+#include <string>
+
+#include "case/case_file.hpp"
+
+namespace undertow {
+
+enum class ProgramKind { solver, coupler };
+
+struct ProgramOptions {
+    std::string case_path;
+    CaseOptions layers;
+    std::string folder;      // of the results; empty = results/NAME
+    std::string endpoint;    // of the coupler; empty = alone
+    int threads = 0;         // 0 = the program's own choice
+    bool quiet = false;
+};
+
+struct Program {
+    std::string name;          // "sph_solver"
+    std::string description;
+    ProgramKind kind;
+    /// Reads nothing, throws the three kinds of error; its result is the exit code.
+    std::function<int(const ProgramOptions&)> run;
+};
+
+/// Parses, installs the stop signal, runs, and turns errors into log lines and exit codes: 2 the
+/// user's input, 3 a peer, 4 the physics.
+int run_program(int argc, char** argv, const Program& program);
+
+/// The case named on the command line; makes the folder of the results and opens the log there.
+Case open_case(ProgramOptions& options, const std::string& program);
+
+}  // namespace undertow

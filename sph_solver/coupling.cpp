@@ -1,0 +1,197 @@
+#include "sph_solver/coupling.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "case/time_step.hpp"
+#include "results/log.hpp"
+#include "results/stop_signal.hpp"
+#include "wire/participant.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+/// Nobody at the other end: the solver agrees with itself.
+class LonelyLink : public Link {
+ public:
+    explicit LonelyLink(const Case& input)
+        : agreement_(input.time, input.output.fields_every), end_(input.time.end) {}
+
+    void offer(const StepState& state, const FluidSystem&) override { state_ = state; }
+
+    StepOrder wait(FluidSystem&) override {
+        StepOrder order;
+        order.interrupted = stop_requested();
+        order.finished = last_ || order.interrupted || state_.t >= end_;
+        if (order.finished) return order;
+        const AgreedStep step = agreement_.agree(state_.t, {{state_.dt_limit, state_.limiter}});
+        order.dt = step.dt, order.t1 = step.t1;
+        order.output = step.output;
+        order.limiter = step.limiter;
+        last_ = step.last;
+        return order;
+    }
+
+    void report_error(const std::string&, const std::string&) noexcept override {}
+
+ private:
+    StepAgreement agreement_;
+    double end_;
+    StepState state_{};
+    bool last_ = false;
+};
+
+/// Particles near the surfaces, in the order agreed with the coupler.
+class CoupledLink : public Link {
+ public:
+    CoupledLink(const Case& input, const std::string& endpoint)
+        : participant_({.endpoint = endpoint,
+                        .name = "sph",
+                        .role = "particles",
+                        .capabilities = {},
+                        .software = "undertow sph_solver " UNDERTOW_VERSION,
+                        .join_timeout = input.coupling.join_timeout}),
+          flat_(input.info.dimension == 2),
+          middle_(flat_ ? 0.5 * input.info.thickness : 0) {
+        wire::Mesh mesh;
+        mesh.mesh = "particles";
+        mesh.kind = "particles";
+        for (const Fluid& fluid : input.sph.fluid) mesh.groups.push_back(fluid.name);
+        mesh.radius = 0.5 * input.sph.spacing;
+        participant_.announce(std::move(mesh));
+        boxes_ = participant_.wait_surface().boxes;
+        log_info("joined the coupler at " + endpoint);
+    }
+
+    void offer(const StepState& state, const FluidSystem& fluid) override {
+        if (probe_)
+            send_probe(state, fluid);
+        else
+            send_state(state, fluid);
+    }
+
+    StepOrder wait(FluidSystem& fluid) override {
+        wire::StepReply reply = participant_.wait_reply();
+        if (reply.surface) boxes_ = std::move(reply.surface->boxes);
+        if (reply.active) take_active(*reply.active, fluid);
+        StepOrder order;
+        if (reply.finish) {
+            order.finished = true;
+            order.interrupted = reply.finish->reason == "interrupted";
+            participant_.say_goodbye(reply.finish->n);
+            return order;
+        }
+        const wire::Force& force = *reply.force;
+        take_forces(force.f, fluid);
+        probe_ = force.flags & wire::force_probe;
+        order.dt = force.dt, order.t1 = force.t1;
+        order.output = force.flags & wire::force_output;
+        order.limiter = force.limiter;
+        return order;
+    }
+
+    void report_error(const std::string& code, const std::string& text) noexcept override {
+        participant_.report_error(code, text);
+    }
+    double waited() const override { return participant_.waited(); }
+
+ private:
+    void put(std::vector<double>& a, double x, double y, double z) {
+        a.push_back(x), a.push_back(y), a.push_back(z);
+    }
+
+    void send_probe(const StepState& s, const FluidSystem& fluid) {
+        wire::Probe probe;
+        probe.n = s.n, probe.t = s.t, probe.dt_limit = s.dt_limit, probe.limiter = s.limiter;
+        probe.flags = stop_requested() ? wire::state_stop : 0u;
+        probe.work = s.work, probe.wait = waited();
+        const Particles& p = fluid.particles;
+        const double radius = 0.5 * fluid.spacing();
+        // rho c0^2 dx in 3D, rho c0^2 b in 2D: the force per penetration of a cell compressed by it
+        const double stiffness = fluid.fluid().mass * std::pow(fluid.fluid().c0 / fluid.spacing(), 2);
+        candidates_.clear();
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            const double y = p.y[i] + middle_;
+            bool near = false;
+            for (std::size_t b = 0; b + 5 < boxes_.size() && !near; b += 6)
+                near = p.x[i] >= boxes_[b] && p.x[i] <= boxes_[b + 3] && y >= boxes_[b + 1] &&
+                       y <= boxes_[b + 4] && p.z[i] >= boxes_[b + 2] && p.z[i] <= boxes_[b + 5];
+            if (!near) continue;
+            candidates_.push_back(p.id[i]);
+            probe.id.push_back(static_cast<std::uint64_t>(p.id[i]));
+            put(probe.x, p.x[i], y, p.z[i]);
+            put(probe.v, p.vx[i], p.vy[i], p.vz[i]);
+            probe.mass.push_back(fluid.fluid().mass);
+            probe.radius.push_back(radius);
+            probe.stiffness.push_back(stiffness);
+            probe.phase.push_back(p.fluid[i]);
+        }
+        travelled_at_probe_ = fluid.travelled();
+        participant_.send(std::move(probe));
+    }
+
+    void send_state(const StepState& s, const FluidSystem& fluid) {
+        wire::State state;
+        state.n = s.n, state.t = s.t, state.dt_limit = s.dt_limit, state.limiter = s.limiter;
+        state.flags = stop_requested() ? wire::state_stop : 0u;
+        state.reach = fluid.travelled() - travelled_at_probe_;
+        state.work = s.work, state.wait = waited();
+        state.x.reserve(3 * active_.size());
+        state.v.reserve(3 * active_.size());
+        const Particles& p = fluid.particles;
+        for (std::size_t a = 0; a < active_.size(); ++a) {
+            const int i = fluid.index_of(active_[a]);
+            if (i >= 0) {
+                last_x_[a] = {p.x[i], p.y[i] + middle_, p.z[i]};
+                put(state.v, p.vx[i], p.vy[i], p.vz[i]);
+            } else {   // left the domain: it rests where it was last seen until the next probe
+                put(state.v, 0, 0, 0);
+            }
+            put(state.x, last_x_[a][0], last_x_[a][1], last_x_[a][2]);
+        }
+        participant_.send(std::move(state));
+    }
+
+    void take_active(const wire::Active& active, FluidSystem& fluid) {
+        active_.clear();
+        for (const std::uint32_t row : active.row) active_.push_back(candidates_.at(row));
+        last_x_.assign(active_.size(), Vec3{});
+        Particles& p = fluid.particles;
+        for (auto* f : {&p.fx, &p.fy, &p.fz}) std::fill(f->begin(), f->end(), 0.0);
+    }
+
+    void take_forces(const std::vector<double>& f, FluidSystem& fluid) {
+        const double per_mass = 1 / fluid.fluid().mass;
+        Particles& p = fluid.particles;
+        for (std::size_t a = 0; a < active_.size(); ++a) {
+            const int i = fluid.index_of(active_[a]);
+            if (i < 0) continue;
+            p.fx[i] = f[3 * a] * per_mass;
+            p.fy[i] = flat_ ? 0 : f[3 * a + 1] * per_mass;
+            p.fz[i] = f[3 * a + 2] * per_mass;
+        }
+    }
+
+    wire::Participant participant_;
+    bool flat_;
+    double middle_;                      // [m] out-of-plane position that the coupler sees in 2D
+    std::vector<double> boxes_;          // [m] (B, 6)
+    bool probe_ = true;
+    std::vector<std::int64_t> candidates_;   // identities in the order of the last PROBE
+    std::vector<std::int64_t> active_;       // identities in the order of STATE and FORCE
+    std::vector<Vec3> last_x_;               // [m] last seen positions of the active ones
+    double travelled_at_probe_ = 0;          // [m]
+};
+
+}  // namespace
+
+std::unique_ptr<Link> make_lonely_link(const Case& input) {
+    return std::make_unique<LonelyLink>(input);
+}
+
+std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint) {
+    return std::make_unique<CoupledLink>(input, endpoint);
+}
+
+}  // namespace undertow::sph

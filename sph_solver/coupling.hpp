@@ -1,0 +1,45 @@
+#pragma once
+// The link of the loop to the outside: the coupler, or nobody. The only place that talks to the wire.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "case/case.hpp"
+#include "sph_solver/fluid_system.hpp"
+
+namespace undertow::sph {
+
+/// What a solver offers for step n.
+struct StepState {
+    std::int64_t n;
+    double t;                  // [s]
+    double dt_limit;           // [s]
+    std::string limiter;
+    double work;               // particle-steps so far
+};
+
+/// What the link orders.
+struct StepOrder {
+    double dt = 0, t1 = 0;     // [s]
+    bool output = false;       // t1 is a common output time
+    bool finished = false;     // no step to take: the run is over
+    bool interrupted = false;
+    std::string limiter;
+};
+
+class Link {
+ public:
+    virtual ~Link() = default;
+    /// Shows positions and velocities at t^n and the stable step; returns at once.
+    virtual void offer(const StepState& state, const FluidSystem& fluid) = 0;
+    /// Waits for the agreed step; contact accelerations are in fluid.particles.fx, fy, fz then.
+    virtual StepOrder wait(FluidSystem& fluid) = 0;
+    virtual void report_error(const std::string& code, const std::string& text) noexcept = 0;
+    virtual double waited() const { return 0; }   // [s]
+};
+
+std::unique_ptr<Link> make_lonely_link(const Case& input);
+std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint);
+
+}  // namespace undertow::sph

@@ -1,0 +1,111 @@
+#include "sph_solver/gauges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sph_solver/kernels/kernels.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+template <class KernelLaw>
+PointValue interpolate_with(const FluidSystem& fluid, const Vec3& point) {
+    const Neighborhood& near = fluid.neighbors();
+    const FixedPoint& fixed = near.fixed();
+    const KernelLaw kernel(fluid.physics().h, fluid.physics().dimension);
+    PointValue value{0, 0};
+    near.for_each_near(point[0], point[1], point[2], near.support() + fluid.reach(), [&](int j) {
+        const Packed& q = near.records()[j];
+        const double dx = fixed.x0 + q.x * fixed.unit - point[0],
+                     dy = fixed.y0 + q.y * fixed.unit - point[1],
+                     dz = fixed.z0 + q.z * fixed.unit - point[2];
+        const double w = q.volume * kernel.value(std::sqrt(dx * dx + dy * dy + dz * dz));
+        value.filled += w;
+        value.p += w * q.p;
+    });
+    value.p = value.filled > 0 ? value.p / value.filled : 0;
+    return value;
+}
+
+bool has_neighbor(const FluidSystem& fluid, std::size_t i) {
+    const Particles& p = fluid.particles;
+    const double r2 = fluid.support() * fluid.support();
+    const int own = static_cast<int>(i), count = fluid.neighbors().fluid_count();
+    const ClusterLists& lists = fluid.neighbors().fluid_lists();
+    for (const int* j = lists.begin(own / lanes); j != lists.end(own / lanes); ++j) {
+        if (*j == own || *j >= count) continue;
+        const double dx = p.x[i] - p.x[*j], dy = p.y[i] - p.y[*j], dz = p.z[i] - p.z[*j];
+        if (dx * dx + dy * dy + dz * dz < r2) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+PointValue interpolate(const FluidSystem& fluid, const Vec3& point) {
+    return fluid.physics().kernel == Kernel::wendland_c2
+               ? interpolate_with<WendlandC2>(fluid, point)
+               : interpolate_with<CubicSpline>(fluid, point);
+}
+
+double front_position(const FluidSystem& fluid, const Vec3& direction) {
+    const Particles& p = fluid.particles;
+    const double length = std::hypot(direction[0], direction[1], direction[2]);
+    const auto along = [&](std::size_t i) {
+        return (p.x[i] * direction[0] + p.y[i] * direction[1] + p.z[i] * direction[2]) / length;
+    };
+    // One sweep: a particle is asked for neighbors only if it lies ahead of the best one so far.
+    double best = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < p.size(); ++i)
+        if (along(i) > best && has_neighbor(fluid, i)) best = along(i);
+    return best + 0.5 * fluid.spacing();
+}
+
+double water_level(const FluidSystem& fluid, double x, double y) {
+    const Particles& p = fluid.particles;
+    const double reach = fluid.support();
+    double top = -std::numeric_limits<double>::infinity(), bottom = -top;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        bottom = std::min(bottom, p.z[i]);
+        if (std::hypot(p.x[i] - x, p.y[i] - y) < reach) top = std::max(top, p.z[i]);
+    }
+    const double floor = bottom - 0.5 * fluid.spacing();
+    if (top < bottom) return floor;   // dry
+    const double step = 0.25 * fluid.spacing();
+    double above = top + reach, value_above = 0;
+    while (above > floor) {
+        const double z = above - step;
+        const double value = interpolate(fluid, {x, y, z}).filled;
+        if (value >= 0.5)   // linear between the two samples
+            return z + step * (value - 0.5) / std::max(1e-12, value - value_above);
+        above = z, value_above = value;
+    }
+    return floor;
+}
+
+std::vector<double> read_gauges(const std::vector<SphGauge>& gauges, const FluidSystem& fluid) {
+    std::vector<double> values;
+    for (const SphGauge& gauge : gauges) switch (gauge.kind) {
+            case SphGaugeKind::front:
+                values.push_back(front_position(fluid, gauge.direction));
+                break;
+            case SphGaugeKind::pressure:
+                values.push_back(interpolate(fluid, gauge.point).p);
+                break;
+            case SphGaugeKind::water_level:
+                values.push_back(water_level(fluid, gauge.point[0], gauge.point[1]));
+                break;
+        }
+    return values;
+}
+
+std::vector<std::string> gauge_columns(const std::vector<SphGauge>& gauges) {
+    std::vector<std::string> columns;
+    for (const SphGauge& gauge : gauges)
+        columns.push_back(gauge.name + (gauge.kind == SphGaugeKind::pressure ? " [Pa]" : " [m]"));
+    return columns;
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,164 @@
+#include "sph_solver/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "results/log.hpp"
+#include "results/summary.hpp"
+#include "sph_solver/gauges.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+double history_interval(const Case& input) {
+    return input.output.history_every > 0 ? input.output.history_every : input.time.end / 2000;
+}
+
+std::vector<std::string> with_time(std::vector<std::string> columns) {
+    columns.insert(columns.begin(), "t [s]");
+    return columns;
+}
+
+}  // namespace
+
+Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
+                   const FluidSystem& fluid)
+    : folder_(folder),
+      alone_(alone),
+      every_(history_interval(input)),
+      gauges_(input.sph.gauge),
+      fields_(folder + "/sph"),
+      energy_file_(folder + "/energy.sph.csv",
+                   {"energies of the fluid", "elastic: sum V p^2/(2 rho0 c0^2); potential: 0 at t = 0"},
+                   with_time({"kinetic [J]", "potential [J]", "elastic [J]"})) {
+    if (!gauges_.empty())
+        gauge_file_ = std::make_unique<History>(
+            folder + "/gauges.csv",
+            std::vector<std::string>{
+                "point gauges of the fluid, unfiltered",
+                "front: foremost particle with a neighbor + dx/2; level: sum V W = 1/2"},
+            with_time(gauge_columns(gauges_)));
+    if (alone && fluid.mirror().size() > 0) {
+        std::vector<std::string> columns;
+        for (int k = 0; k < fluid.mirror().size(); ++k)
+            for (const char* part : {"fx [N]", "fy [N]", "fz [N]", "impulse [N s]"})
+                columns.push_back(fmt::format("{}.{}.{}", fluid.mirror().plane(k).name,
+                                              input.sph.fluid[0].name, part));
+        force_file_ = std::make_unique<History>(
+            folder + "/forces.csv",
+            std::vector<std::string>{"normal force of the fluid on each rigid plane, unfiltered",
+                                     "impulse: integral of its magnitude, trapezoidal over the rows"},
+            with_time(columns));
+        impulse_.assign(fluid.mirror().size(), 0);
+        last_force_.assign(fluid.mirror().size(), 0);
+    }
+}
+
+void Recorder::observe(double t, const FluidSystem& fluid) {
+    if (t < next_row_ * every_ * (1 - 1e-12)) return;
+    next_row_ = static_cast<std::int64_t>(std::floor(t / every_ * (1 + 1e-12))) + 1;
+    if (gauge_file_) {
+        std::vector<double> row{t};
+        const std::vector<double> values = read_gauges(gauges_, fluid);
+        row.insert(row.end(), values.begin(), values.end());
+        gauge_file_->row(row);
+    }
+    if (force_file_) write_wall_forces(t, fluid);
+    write_energies(t, fluid);
+    for (; reported_removed_ < fluid.removed().size(); ++reported_removed_) {
+        const Removed& r = fluid.removed()[reported_removed_];
+        log_info(fmt::format(
+            "t = {:.6g} s: particle {} left sph.domain at ({:.4g}, {:.4g}, {:.4g}) m with "
+            "({:.3g}, {:.3g}, {:.3g}) m/s and was removed",
+            t, r.id, r.x[0], r.x[1], r.x[2], r.v[0], r.v[1], r.v[2]));
+    }
+}
+
+void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
+    const std::vector<double> force = plane_forces(fluid.physics(), fluid.neighbors(), fluid.mirror());
+    std::vector<double> row{t};
+    wall_force_ = 0;
+    for (std::size_t k = 0; k < force.size(); ++k) {
+        if (last_force_t_ >= 0) impulse_[k] += 0.5 * (force[k] + last_force_[k]) * (t - last_force_t_);
+        for (int a = 0; a < 3; ++a) row.push_back(-force[k] * fluid.mirror().plane(k).normal[a]);
+        row.push_back(impulse_[k]);
+        wall_force_ = std::max(wall_force_, std::abs(force[k]));
+    }
+    last_force_ = force;
+    last_force_t_ = t;
+    force_file_->row(row);
+}
+
+void Recorder::write_energies(double t, const FluidSystem& fluid) {
+    const Particles& p = fluid.particles;
+    const FluidLaw& law = fluid.fluid();
+    const Vec3 g = fluid.gravity();
+    const double true_volume = law.mass / law.rho0;   // with the thickness in 2D [m3]
+    double kinetic = 0, potential = 0, elastic = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        kinetic += p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
+        potential -= g[0] * p.x[i] + g[1] * p.y[i] + g[2] * p.z[i];
+        elastic += p.p[i] * p.p[i];
+    }
+    const double row[] = {t, 0.5 * law.mass * kinetic, law.mass * potential,
+                          elastic * true_volume / (2 * law.rho0 * law.c0 * law.c0)};
+    energy_file_.row(row);
+}
+
+void Recorder::write_fields(double t, const FluidSystem& fluid) {
+    const Particles& p = fluid.particles;
+    const std::size_t n = p.size();
+    std::vector<double> x(3 * n), v(3 * n), density(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        x[3 * i] = p.x[i], x[3 * i + 1] = p.y[i], x[3 * i + 2] = p.z[i];
+        v[3 * i] = p.vx[i], v[3 * i + 1] = p.vy[i], v[3 * i + 2] = p.vz[i];
+        density[i] = fluid.fluid().rho0 + p.drho[i];
+    }
+    fields_.append(t, x, p.id,
+                   {{"velocity", "m/s", 3, v}, {"pressure", "Pa", 1, p.p}, {"density", "kg/m3", 1, density}});
+}
+
+void Recorder::flush() {
+    if (gauge_file_) gauge_file_->flush();
+    if (force_file_) force_file_->flush();
+    energy_file_.flush();
+}
+
+void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, bool two_pass,
+                             int threads, const std::string& ended) {
+    Summary s;
+    const FluidLaw& law = fluid.fluid();
+    s.set("ended", ended);
+    s.set("wall_s", f.wall);
+    s.set("steps", f.steps);
+    s.set("dt_min", f.steps ? f.dt_min : 0);
+    s.set("dt_mean", f.steps ? f.dt_sum / f.steps : 0);
+    s.set("sph.particles", static_cast<std::int64_t>(fluid.particles.size()));
+    s.set("sph.removed", static_cast<std::int64_t>(fluid.removed().size()));
+    s.set("sph.put_back_behind_walls", fluid.put_back());
+    s.set("sph.threads", static_cast<std::int64_t>(threads));
+    s.set("sph.integrator", two_pass ? "two_pass" : "one_pass");
+    s.set("sph.particle_steps", f.particle_steps);
+    s.set("sph.particle_steps_per_s", f.wall > 0 ? f.particle_steps / f.wall : 0);
+    const double computing = f.wall - f.contact_wait - f.output;
+    s.set("sph.particle_steps_per_busy_s", computing > 0 ? f.particle_steps / computing : 0);
+    s.set("sph.neighbors_mean", fluid.mean_neighbors());
+    s.set("sph.list_rebuilds", fluid.rebuilds());
+    s.set("sph.sound_speed", law.c0);
+    s.set("sph.max_speed", f.max_speed);
+    s.set("sph.max_mach", f.max_speed / law.c0);
+    s.set("sph.max_density_deviation", f.max_compression);
+    s.set("sph.wall_split_s.neighbors", f.neighbors);
+    s.set("sph.wall_split_s.pack", f.pack);
+    s.set("sph.wall_split_s.sums", f.sums);
+    s.set("sph.wall_split_s.waiting", f.contact_wait);
+    s.set("sph.wall_split_s.move", f.move);
+    s.set("sph.wall_split_s.output", f.output);
+    s.set("wait_s", f.contact_wait);
+    s.write(folder_ + "/summary.sph.json");
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,60 @@
+#pragma once
+// What the SPH solver writes: fields, gauges, wall forces, energies, summary.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "results/field_file.hpp"
+#include "results/history.hpp"
+#include "sph_solver/fluid_system.hpp"
+
+namespace undertow::sph {
+
+/// Wall time by activity [s], and counts of a run.
+struct RunFigures {
+    double neighbors = 0, pack = 0, sums = 0, contact_wait = 0, move = 0, output = 0;   // [s]
+    double wall = 0;                                   // [s]
+    std::int64_t steps = 0;
+    double particle_steps = 0;
+    double dt_min = 1e300, dt_sum = 0;                 // [s]
+    double max_compression = 0, max_speed = 0;         // [-], [m/s]
+};
+
+class Recorder {
+ public:
+    Recorder(const Case& input, const std::string& folder, bool alone, const FluidSystem& fluid);
+
+    /// Gauges, forces and energies if one is due at t. The records must show the state at t.
+    void observe(double t, const FluidSystem& fluid);
+    /// Particle fields at t.
+    void write_fields(double t, const FluidSystem& fluid);
+    void write_summary(const RunFigures& figures, const FluidSystem& fluid, bool two_pass,
+                       int threads, const std::string& ended);
+    void flush();
+    /// Magnitude of the latest force on the walls [N]; < 0 before the first.
+    double wall_force() const { return wall_force_; }
+
+ private:
+    void write_energies(double t, const FluidSystem& fluid);
+    void write_wall_forces(double t, const FluidSystem& fluid);
+
+    std::string folder_;
+    bool alone_;
+    double every_;                     // [s]
+    std::int64_t next_row_ = 0;
+    std::vector<SphGauge> gauges_;
+    std::vector<std::int64_t> next_gauge_;
+    std::vector<double> gauge_values_;
+    ParticleFile fields_;
+    std::unique_ptr<History> gauge_file_, force_file_;
+    History energy_file_;
+    std::vector<double> impulse_;      // [N s] per plane
+    double last_force_t_ = -1;         // [s]
+    std::vector<double> last_force_;   // [N] per plane
+    double wall_force_ = -1;
+    std::size_t reported_removed_ = 0;
+};
+
+}  // namespace undertow::sph
