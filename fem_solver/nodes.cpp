@@ -82,7 +82,7 @@ KickReport kick(Nodes& nodes, const Kick& step, int threads) {
         return sum;
     }
     std::vector<KickReport> part(blocks);
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (std::size_t b = 0; b < blocks; ++b)
         part[b] = kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
     for (const KickReport& p : part) add(sum, p);
@@ -95,7 +95,7 @@ void drift(Nodes& nodes, double dt, int threads) {
         drift_block(nodes, dt, 0, n);
         return;
     }
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (std::size_t b = 0; b < blocks; ++b)
         drift_block(nodes, dt, b * block_size, std::min(n, (b + 1) * block_size));
 }

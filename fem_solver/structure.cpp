@@ -23,7 +23,8 @@ Structure::Structure(Model model, int threads)
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
       nodes_(make_nodes(model_.mesh, elements_.nodal_masses(model_.mesh.x.size()))),
       contact_(model_.surface.node),
-      threads_(threads) {
+      // below this a step takes less time than waking threads several times
+      threads_(elements_.size() < 16384 ? 1 : threads) {
     for (const Support& support : model_.supports)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
@@ -63,6 +64,7 @@ void Structure::pressure_forces(double t) {
 }
 
 void Structure::contact_forces(std::span<const double> f) {
+    if (f.empty()) return;  // alone
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
@@ -82,6 +84,11 @@ void Structure::drift(double dt) {
     contact_.do_work(nodes_.v, 0.5 * dt);
     fem::drift(nodes_, dt, threads_);
     dt_ = dt;
+}
+
+void Structure::finish() {
+    contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    kick(dt_);
 }
 
 const StableStep& Structure::stable_step() {

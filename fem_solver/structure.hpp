@@ -47,6 +47,10 @@ class Structure {
     void kick(double dt);                            // v^{n-1/2} -> v^{n+1/2}
     void drift(double dt);                           // x^n -> x^{n+1}
 
+    /// Completes energies and velocities at the last n by a kick like the one before; nothing
+    /// moves.
+    void finish();
+
     /// PhysicsError that names the element or node when a value is not finite, an element inverts
     /// or a node outruns sound.
     void check_health(std::int64_t n, double t) const;

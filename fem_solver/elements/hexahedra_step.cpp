@@ -79,7 +79,7 @@ ElementsReport Hexahedra::step(Nodes& nodes, double dt, int threads) {
     for (std::size_t color = 0; color + 1 < color_begin_.size(); ++color) {
         const std::int32_t begin = color_begin_[color], end = color_begin_[color + 1];
         if (threads > 1 && end - begin > 1) {
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
             for (std::int32_t c = begin; c < end; ++c)
                 chunk_report_[c] = step_chunk(chunk_[c], nodes, dt);
         } else {

@@ -1,0 +1,149 @@
+#include "fem_solver/coupling.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "case/time_step.hpp"
+#include "wire/errors.hpp"
+#include "wire/participant.hpp"
+
+namespace undertow::fem {
+namespace {
+
+class Alone final : public Link {
+ public:
+    explicit Alone(const Case& c) : agreement_(c.time, c.output.fields_every), end_(c.time.end) {}
+
+    std::int64_t announce(const Structure&) override { return 0; }
+    void send_state(std::int64_t, double t, const Structure&, const StableStep& offer,
+                    bool stop) override {
+        order_.finish = stop || t >= end_;
+        order_.interrupted = stop && t < end_;
+        if (order_.finish) return;
+        offer_[0].dt = offer.dt;
+        offer_[0].limiter = "fem: " + offer.limiter;
+        AgreedStep step = agreement_.agree(t, offer_);
+        order_.dt = step.dt;
+        order_.t1 = step.t1;
+        order_.limiter = std::move(step.limiter);
+        order_.output = step.output;
+    }
+    const StepOrder& wait_order() override { return order_; }
+    void say_goodbye(std::int64_t) override {}
+    void report_error(const std::string&, const std::string&) noexcept override {}
+    double waited() const override { return 0; }
+
+ private:
+    StepAgreement agreement_;
+    double end_;
+    std::vector<StepOffer> offer_{1};
+    StepOrder order_;
+};
+
+class Coupled final : public Link {
+ public:
+    Coupled(const Case& c, const std::string& endpoint)
+        : participant_({.endpoint = endpoint,
+                        .name = "fem",
+                        .role = "surface",
+                        .capabilities = {},
+                        .software = "undertow fem_solver " UNDERTOW_VERSION,
+                        .join_timeout = c.coupling.join_timeout}) {
+        if (c.fem.surface.empty())
+            throw InputError(c.file + ": a coupled run needs at least one [[fem.surface]].");
+        const double share = participant_.welcome().contact_share;
+        const double room = 4 * (1 - c.fem.cfl * c.fem.cfl);
+        if (share > room) {
+            char text[320];
+            std::snprintf(text, sizeof text,
+                          "%s: fem.cfl = %g leaves 4 (1 - cfl^2) = %.3g of the stability budget, "
+                          "but contact takes beta + 2 eta = %.3g; set fem.cfl to %.2f or less.",
+                          c.file.c_str(), c.fem.cfl, room, share,
+                          std::floor(100 * std::sqrt(std::max(0.0, 1 - share / 4))) / 100);
+            throw InputError(text);
+        }
+    }
+
+    std::int64_t announce(const Structure& structure) override {
+        const CoupledSurface& surface = structure.model().surface;
+        wire::Mesh mesh;
+        mesh.mesh = "structure";
+        mesh.kind = "surface";
+        mesh.groups = surface.names;
+        for (std::int32_t n : surface.node) {
+            const double* x = structure.nodes().x[n].c;
+            mesh.x.insert(mesh.x.end(), x, x + 3);
+            mesh.mass.push_back(structure.nodes().mass[n]);
+        }
+        for (const Quad& q : surface.quad) mesh.quad.insert(mesh.quad.end(), q.begin(), q.end());
+        mesh.group = surface.group;
+        participant_.announce(std::move(mesh));
+        return participant_.welcome().first_step;
+    }
+
+    void send_state(std::int64_t n, double t, const Structure& structure, const StableStep& offer,
+                    bool stop) override {
+        const std::vector<std::int32_t>& node = structure.model().surface.node;
+        wire::State state;
+        state.n = n;
+        state.t = t;
+        state.dt_limit = offer.dt;
+        state.limiter = offer.limiter;
+        state.flags = stop ? std::uint32_t(wire::state_stop) : 0;
+        state.work = work_;
+        state.wait = participant_.waited();
+        state.x.resize(3 * node.size());
+        state.v.resize(3 * node.size());
+        for (std::size_t i = 0; i < node.size(); ++i)
+            for (int d = 0; d < 3; ++d) {
+                state.x[3 * i + d] = structure.nodes().x[node[i]].c[d];
+                state.v[3 * i + d] = structure.nodes().v[node[i]].c[d];
+            }
+        participant_.send(std::move(state));
+        work_ += double(structure.elements().size());
+    }
+
+    const StepOrder& wait_order() override {
+        participant_.wait_reply(reply_);
+        order_.finish = reply_.finish.has_value();
+        if (reply_.finish) {
+            order_.interrupted = reply_.finish->reason == "interrupted";
+        } else if (reply_.force) {
+            order_.dt = reply_.force->dt;
+            order_.t1 = reply_.force->t1;
+            order_.limiter = reply_.force->limiter;
+            order_.output = (reply_.force->flags & wire::force_output) != 0;
+            order_.f = reply_.force->f;
+        } else {
+            throw PeerError("E_STATE",
+                            "the coupler asked for a checkpoint, which this participant did not "
+                            "offer in its HELLO.");
+        }
+        return order_;
+    }
+
+    void say_goodbye(std::int64_t n) override { participant_.say_goodbye(n); }
+    void report_error(const std::string& code, const std::string& text) noexcept override {
+        participant_.report_error(code, text);
+    }
+    double waited() const override { return participant_.waited(); }
+
+ private:
+    wire::Participant participant_;
+    wire::StepReply reply_;
+    StepOrder order_;
+    double work_ = 0;  // element-steps
+};
+
+}  // namespace
+
+std::unique_ptr<Link> run_alone(const Case& c) {
+    return std::make_unique<Alone>(c);
+}
+
+std::unique_ptr<Link> join_coupler(const Case& c, const std::string& endpoint) {
+    return std::make_unique<Coupled>(c, endpoint);
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,132 @@
+#include "fem_solver/output.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "results/summary.hpp"
+
+namespace undertow::fem {
+namespace {
+
+std::vector<std::int32_t> flat_hexahedra(const Mesh& mesh) {
+    std::vector<std::int32_t> flat;
+    flat.reserve(8 * mesh.hexahedra.size());
+    for (const Hexahedron& h : mesh.hexahedra) flat.insert(flat.end(), h.begin(), h.end());
+    return flat;
+}
+
+std::vector<std::string> history_columns(const Model& model) {
+    std::vector<std::string> columns{"t [s]"};
+    for (const Probe& probe : model.probes) {
+        for (const char* d : {"ux", "uy", "uz"}) columns.push_back(probe.name + "." + d + " [m]");
+        for (const char* d : {"vx", "vy", "vz"}) columns.push_back(probe.name + "." + d + " [m/s]");
+    }
+    for (const Support& support : model.supports)
+        for (const char* d : {"rx", "ry", "rz"})
+            columns.push_back("support " + support.name + "." + d + " [N]");
+    return columns;
+}
+
+}  // namespace
+
+Output::Output(const std::string& folder, const Case& c, const Structure& structure)
+    : folder_(folder),
+      mesh_(folder + "/fem", structure.nodes().size(), flat_hexahedra(structure.model().mesh)),
+      energy_(folder + "/energy.fem.csv",
+              {"energies of the structure at t; what went in is external (weight, pressure) and "
+               "contact work",
+               "kinetic: 1/2 m v(t - dt/2).v(t + dt/2); balance error: the rest of the sum"},
+              {"t [s]", "kinetic [J]", "internal [J]", "hourglass [J]", "bulk viscosity [J]",
+               "damping [J]", "external work [J]", "contact work [J]", "balance error [J]"}),
+      history_(folder + "/fem.history.csv",
+               {"probes: displacement and velocity of the node nearest to the point at the start",
+                "support: force of the support on the structure, unfiltered"},
+               history_columns(structure.model())),
+      every_(c.output.history_every > 0 ? c.output.history_every : c.time.end / 2000) {}
+
+void Output::fields(double t, const Structure& structure) {
+    if (t == last_fields_) return;
+    last_fields_ = t;
+    const std::size_t n_nodes = structure.nodes().size(), n_elements = structure.elements().size();
+    std::vector<double> x(3 * n_nodes), u(3 * n_nodes), v(3 * n_nodes);
+    for (std::size_t n = 0; n < n_nodes; ++n)
+        for (int d = 0; d < 3; ++d) {
+            x[3 * n + d] = structure.nodes().x[n].c[d];
+            u[3 * n + d] = x[3 * n + d] - structure.nodes().x0[n].c[d];
+            v[3 * n + d] = structure.nodes().v[n].c[d];
+        }
+    const std::vector<double> stress = structure.elements().stress();
+    std::vector<double> von_mises(n_elements), pressure(n_elements);
+    for (std::size_t e = 0; e < n_elements; ++e) {
+        const double* s = &stress[6 * e];  // xx yy zz xy yz zx
+        von_mises[e] = std::sqrt(
+            0.5 * (std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2)) +
+            3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+        pressure[e] = -(s[0] + s[1] + s[2]) / 3;
+    }
+    mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}},
+                 {{"stress", "Pa", 6, stress},
+                  {"von_mises", "Pa", 1, von_mises},
+                  {"pressure", "Pa", 1, pressure}});
+}
+
+void Output::history(double t, const Structure& structure) {
+    if (t < double(next_) * every_ * (1 - 1e-12)) return;
+    next_ = std::int64_t(std::floor(t / every_ * (1 + 1e-12))) + 1;
+    write_rows(t, structure);
+}
+
+void Output::last_history(double t, const Structure& structure) {
+    if (t != last_row_) write_rows(t, structure);
+    energy_.flush();
+    history_.flush();
+}
+
+void Output::write_rows(double t, const Structure& structure) {
+    last_row_ = t;
+    const Energies e = structure.energies();
+    row_ = {t,         e.kinetic,  e.internal, e.hourglass,      e.bulk_viscosity,
+            e.damping, e.external, e.contact,  e.balance_error()};
+    energy_.row(row_);
+    peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass,
+                             std::abs(e.external), std::abs(e.contact)});
+    worst_balance_ = std::max(worst_balance_, std::abs(e.balance_error()));
+    peak_displacement_ = std::max(peak_displacement_, structure.largest_displacement());
+
+    row_ = {t};
+    for (const Probe& probe : structure.model().probes) {
+        const Vec3 u = structure.displacement(probe.node), v = structure.velocity(probe.node);
+        row_.insert(row_.end(), u.begin(), u.end());
+        row_.insert(row_.end(), v.begin(), v.end());
+    }
+    for (const Support& support : structure.model().supports) {
+        const Vec3 r = structure.reaction(support);
+        row_.insert(row_.end(), r.begin(), r.end());
+    }
+    history_.row(row_);
+}
+
+void Output::summary(const RunFigures& run, const Structure& structure) const {
+    const double elements = double(structure.elements().size());
+    const double busy = run.wall - run.wait;
+    Summary s;
+    s.set("complete", run.complete);
+    s.set("t", run.t);
+    s.set("steps", run.steps);
+    s.set("elements", std::int64_t(structure.elements().size()));
+    s.set("nodes", std::int64_t(structure.nodes().size()));
+    s.set("wall_s", run.wall);
+    s.set("wait_s", run.wait);
+    s.set("element_steps_per_s", busy > 0 ? elements * double(run.steps) / busy : 0.0);
+    s.set("dt_min", run.dt_min);
+    s.set("dt_mean", run.steps > 0 ? run.t / double(run.steps) : 0.0);
+    s.set("limiter", run.limiter);
+    s.set("dt_critical_elements", 2 / structure.omega_bound());
+    s.set("dt_critical", 2 / structure.omega_start());
+    s.set("frequency_searches", std::int64_t(structure.frequency_searches()));
+    s.set("energy_balance_error", peak_energy_ > 0 ? worst_balance_ / peak_energy_ : 0.0);
+    s.set("max_displacement", peak_displacement_);
+    s.write(folder_ + "/summary.fem.json");
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,52 @@
+#pragma once
+// What a run leaves behind: fem.vtkhdf and .xdmf, energy.fem.csv, fem.history.csv,
+// summary.fem.json.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "fem_solver/structure.hpp"
+#include "results/field_file.hpp"
+#include "results/history.hpp"
+
+namespace undertow::fem {
+
+/// Counted by the loop, for the summary.
+struct RunFigures {
+    std::int64_t steps = 0;
+    double t = 0;               // [s] reached
+    double dt_min = 0;          // [s]
+    double wall = 0, wait = 0;  // [s]
+    std::string limiter;        // of the last step that was not cut short for an output
+    bool complete = false;      // reached the end of the run
+};
+
+class Output {
+ public:
+    Output(const std::string& folder, const Case& c, const Structure& structure);
+
+    /// Fields at t; velocity is v^{n-1/2}. Nothing when these fields have been written already.
+    void fields(double t, const Structure& structure);
+    /// Rows of the histories when one is due; after the kick, when the energies at n are complete.
+    void history(double t, const Structure& structure);
+    /// The last rows, due or not.
+    void last_history(double t, const Structure& structure);
+    void summary(const RunFigures& run, const Structure& structure) const;
+
+ private:
+    void write_rows(double t, const Structure& structure);
+
+    std::string folder_;
+    MeshFile mesh_;
+    History energy_, history_;
+    double every_;                                // [s]
+    std::int64_t next_ = 0;                       // row, in units of every_
+    double last_row_ = -1, last_fields_ = -1;     // [s]
+    double peak_energy_ = 0, worst_balance_ = 0;  // [J]
+    double peak_displacement_ = 0;                // [m]
+    std::vector<double> row_;
+};
+
+}  // namespace undertow::fem

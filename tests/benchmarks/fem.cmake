@@ -1,0 +1,2 @@
+add_executable(bench_fem_throughput ${CMAKE_CURRENT_LIST_DIR}/fem_throughput.cpp)
+target_link_libraries(bench_fem_throughput PRIVATE undertow_fem)
