@@ -18,14 +18,6 @@ std::uint64_t pack(std::int64_t i, std::int64_t j, std::int64_t k) {
            std::uint64_t(j & axis_mask) << axis_bits | std::uint64_t(k & axis_mask);
 }
 
-/// False if the facet is surely farther than `range` from x: two dot products instead of a foot.
-bool may_reach(const FacetFrame& frame, const Vec& x, double range) {
-    const Vec from_center = x - frame.center;
-    const double sphere = frame.radius + range;
-    return std::abs(frame.normal.dot(from_center)) <= range + frame.warp &&
-           from_center.squaredNorm() <= sphere * sphere;
-}
-
 }  // namespace
 
 std::uint64_t FacetCells::key_of(const Vec& x) const {
@@ -51,7 +43,8 @@ void FacetCells::for_each_cell(const Surface& surface, std::uint32_t facet, doub
     const Vec first = (low.array() - range - origin_.array()) / size_;
     const Vec last = (high.array() + range - origin_.array()) / size_;
     // The box of a slanted facet has corners that the facet never comes near.
-    const double cell_reach = range + 0.8660254037844387 * size_;  // half a cell's diagonal
+    const double cell_reach =
+        frame.warp + range + 0.8660254037844387 * size_;  // half a cell's diagonal
     for (auto i = std::int64_t(std::floor(first[0])); i <= std::int64_t(std::floor(last[0])); ++i)
         for (auto j = std::int64_t(std::floor(first[1])); j <= std::int64_t(std::floor(last[1]));
              ++j)
@@ -59,7 +52,8 @@ void FacetCells::for_each_cell(const Surface& surface, std::uint32_t facet, doub
                  k <= std::int64_t(std::floor(last[2])); ++k) {
                 const Vec middle =
                     origin_ + size_ * Vec(double(i) + 0.5, double(j) + 0.5, double(k) + 0.5);
-                if (may_reach(frame, middle, cell_reach)) visit(pack(i, j, k));
+                if (std::abs(frame.normal.dot(middle - frame.center)) <= cell_reach)
+                    visit(pack(i, j, k));
             }
 }
 
@@ -67,31 +61,40 @@ void FacetCells::fill(const Surface& surface, double range) {
     const std::uint32_t facets = std::uint32_t(surface.facets());
     frame_.resize(facets);
     Vec low = Vec::Constant(std::numeric_limits<double>::infinity());
-    double mean_radius = 0;
+    double mean_size = 0;
     for (std::uint32_t f = 0; f < facets; ++f) {
         frame_[f] = surface.frame(f);
-        mean_radius += frame_[f].radius / facets;
+        mean_size += (frame_[f].outline[0] + frame_[f].outline[2]) / facets;
         low = low.cwiseMin(frame_[f].center);
     }
-    // A cell about as large as a facet: larger ones hold facets that are tested in vain, smaller
-    // ones repeat each facet in many cells.
-    size_ = std::max(1.4 * mean_radius, range);
+    // Larger cells hold facets that are tested in vain, smaller ones repeat each facet in many
+    // cells; a test costs less than an entry.
+    size_ = mean_size + range;
     origin_ = low;
 
-    std::size_t entries = 0;
-    for (std::uint32_t f = 0; f < facets; ++f)
-        for_each_cell(surface, f, range, [&](std::uint64_t) { ++entries; });
-    bits_ = std::max(4, int(std::bit_width(entries)));
-    start_.assign((std::size_t(1) << bits_) + 1, 0);
-    entry_.resize(entries);
-    for (std::uint32_t f = 0; f < facets; ++f)
-        for_each_cell(surface, f, range, [&](std::uint64_t key) { ++start_[bucket_of(key) + 1]; });
-    for (std::size_t b = 1; b < start_.size(); ++b) start_[b] += start_[b - 1];
-    // Filled from the back, each bucket's end moves to its start: no second array.
-    for (std::uint32_t f = facets; f-- > 0;)
+    unsorted_.clear();
+    for (std::uint32_t f = 0; f < facets; ++f) {
+        const Vec center = frame_[f].center - origin_;
+        double radius = 0;
+        for (const Vec& corner : surface.shape(f).x)
+            radius = std::max(radius, (corner - frame_[f].center).norm());
+        radius += 1e-6 * (radius + center.norm());  // for what float cannot hold
+        const Entry ball{
+            0, f, {float(center[0]), float(center[1]), float(center[2])}, float(radius)};
         for_each_cell(surface, f, range, [&](std::uint64_t key) {
-            entry_[--start_[bucket_of(key) + 1]] = {key, f};
+            unsorted_.push_back(ball);
+            unsorted_.back().key = key;
         });
+    }
+
+    // Counting sort into buckets. Filled from the back, each bucket's end moves to its start.
+    bits_ = std::max(4, int(std::bit_width(unsorted_.size())));
+    start_.assign((std::size_t(1) << bits_) + 2, 0);
+    entry_.resize(unsorted_.size());
+    for (const Entry& entry : unsorted_) ++start_[bucket_of(entry.key)];
+    for (std::size_t b = 1; b < start_.size(); ++b) start_[b] += start_[b - 1];
+    for (std::size_t e = unsorted_.size(); e-- > 0;)
+        entry_[--start_[bucket_of(unsorted_[e].key)]] = unsorted_[e];
 }
 
 void FacetCells::search(const Points& points, const Surface& surface, double skin,
@@ -109,13 +112,16 @@ void FacetCells::search(const Points& points, const Surface& surface, double ski
         const double range = points.radius[i] + skin;
         const std::uint64_t key = key_of(x);
         const std::size_t bucket = bucket_of(key);
-        for (std::uint32_t e = start_[bucket + 1], end = bucket + 2 < start_.size()
-                                                             ? start_[bucket + 2]
-                                                             : std::uint32_t(entry_.size());
-             e < end; ++e) {
-            if (entry_[e].key != key) continue;
-            const std::uint32_t facet = entry_[e].facet;
-            if (!may_reach(frame_[facet], x, range)) continue;
+        const Vec from_origin = x - origin_;
+        const float px = float(from_origin[0]), py = float(from_origin[1]),
+                    pz = float(from_origin[2]), ball = float(range * (1 + 1e-6));
+        for (std::uint32_t e = start_[bucket]; e < start_[bucket + 1]; ++e) {
+            const Entry& entry = entry_[e];
+            const float dx = px - entry.center[0], dy = py - entry.center[1],
+                        dz = pz - entry.center[2], far = entry.radius + ball;
+            if (dx * dx + dy * dy + dz * dz > far * far || entry.key != key) continue;
+            const std::uint32_t facet = entry.facet;
+            if (frame_[facet].is_beyond(x - frame_[facet].center, range)) continue;
             if (closest_point(x, surface.shape(facet)).distance > range) continue;
             found.facet.push_back(facet);
             is_used_[facet] = 1;

@@ -170,10 +170,7 @@ double Detector::detect(const Points& active, const Surface& surface,
                 const double height = frame.normal.dot(from_center);
                 const double closing = frame.normal.dot(frame.velocity - v);
                 fastest = std::max(fastest, (height < 0 ? -closing : closing) / l0);
-                const double sphere = frame.radius + reach;
-                if (std::abs(height) > reach + frame.warp ||
-                    from_center.squaredNorm() > sphere * sphere)
-                    continue;
+                if (frame.is_beyond(from_center, reach)) continue;
                 Touch touch{facet, closest_point(x, surface.shape(facet)), 0, false};
                 if (touch.foot.distance > reach) continue;
                 touch.side = touch.foot.offset.dot(touch.foot.normal);

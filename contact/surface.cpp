@@ -126,10 +126,15 @@ FacetFrame Surface::frame(std::uint32_t facet) const {
     frame.normal = area / area.norm();
     // Opposite corners of a quad are equally far from the plane through its center along n.
     if (!c.triangle) frame.warp = std::abs(frame.normal.dot(c.x[0] - frame.center));
-    double radius2 = 0;
-    for (const Vec& corner : c.x)
-        radius2 = std::max(radius2, (corner - frame.center).squaredNorm());
-    frame.radius = std::sqrt(radius2);
+    for (int k = 0; k < 4; ++k) {
+        // A triangle's fourth corner repeats the third: its last edge runs from there to the first.
+        const Vec& from = c.x[k];
+        const Vec& to = c.triangle && k == 2 ? c.x[0] : c.x[(k + 1) & 3];
+        const Vec edge = to - from;
+        const Vec out = edge.cross(frame.normal);
+        frame.outward[k] = out / out.norm();
+        frame.outline[k] = frame.outward[k].dot(from - frame.center);
+    }
     return frame;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 // The coupled surface: facets over nodes, what does not change (topology, masses) and where it is.
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -17,11 +20,24 @@ std::string find_defect(std::span<const double> x, std::span<const std::int32_t>
 
 /// What the contact asks of a facet again and again, refreshed once per step.
 struct FacetFrame {
-    Vec center;     // [m] mean of the corners
-    Vec normal;     // unit, mean plane
-    Vec velocity;   // [m/s] of the center
-    double warp;    // [m] largest distance of a corner from the mean plane
-    double radius;  // [m] farthest corner from the center
+    Vec center;                     // [m] mean of the corners
+    Vec normal;                     // unit, mean plane
+    Vec velocity;                   // [m/s] of the center
+    double warp;                    // [m] largest distance of a corner from the mean plane
+    std::array<Vec, 4> outward;     // unit normals of the edges within the mean plane
+    std::array<double, 4> outline;  // [m] distance of the edges from the center
+
+    /// True if a point is surely farther than `range` [m] from the facet, by its height above the
+    /// mean plane and its distance beyond the outline: exact beside an edge and over a flat facet.
+    /// A few dot products, where the closest point itself costs a search over triangles.
+    bool is_beyond(const Vec& from_center, double range) const {
+        const double above = std::abs(normal.dot(from_center)) - warp;
+        if (above > range) return true;
+        double aside = 0;
+        for (int k = 0; k < 4; ++k)
+            aside = std::max(aside, outward[k].dot(from_center) - outline[k]);
+        return aside * aside + (above > 0 ? above * above : 0) > range * range;
+    }
 };
 
 class Surface {

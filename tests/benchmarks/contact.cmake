@@ -1,0 +1,2 @@
+add_executable(bench_contact_cost ${CMAKE_CURRENT_LIST_DIR}/contact_cost.cpp)
+target_link_libraries(bench_contact_cost PRIVATE undertow_contact)
