@@ -233,3 +233,6 @@ def main(arguments):
         return error.code
     except KeyboardInterrupt:
         return INTERRUPTED
+    except BrokenPipeError:         # the reader of a pipe has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE

@@ -1,0 +1,187 @@
+"""The launcher: it starts the programs, passes their exit codes, and ends them together."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import textwrap
+import threading
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+
+from undertow_tool import launch  # noqa: E402
+from undertow_tool.launch import Child, Watch, first_failure, split_threads  # noqa: E402
+
+
+def program(folder, name, body):
+    """A stand-in for a solver: a Python script that logs its lines to NAME.log."""
+    path = pathlib.Path(folder) / f"{name}.py"
+    path.write_text("import os, signal, sys, time\n" + textwrap.dedent(body))
+    return Child(name, ["/usr/bin/python3", str(path)], 1)
+
+
+class WatchTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.out = pathlib.Path(self.folder.name)
+        self.environment = launch.environment
+        launch.environment = lambda threads: dict(os.environ)     # needs no built programs
+
+    def tearDown(self):
+        launch.environment = self.environment
+        self.folder.cleanup()
+
+    def child(self, name, body):
+        return program(self.out, name, body)
+
+    def test_all_done_is_code_zero(self):
+        outcome = Watch([self.child("coupler", ""), self.child("sph_solver", "")], self.out).run()
+        self.assertEqual(outcome.code, 0)
+        self.assertIsNone(outcome.failed)
+
+    def test_the_program_that_failed_by_itself_is_the_cause(self):
+        # The coupler notices the loss and ends first; the cause is still the physics of the solver.
+        coupler = self.child("coupler", "time.sleep(0.1); sys.exit(3)")
+        fem = self.child("fem_solver", "time.sleep(0.4); sys.exit(4)")
+        sph = self.child("sph_solver", "time.sleep(0.1); sys.exit(3)")
+        outcome = Watch([coupler, sph, fem], self.out).run()
+        self.assertEqual(outcome.code, 4)
+        self.assertEqual(outcome.failed.name, "fem_solver")
+
+    def test_a_crash_is_a_lost_peer(self):
+        crash = self.child("sph_solver", "os.kill(os.getpid(), signal.SIGSEGV)")
+        outcome = Watch([self.child("coupler", "time.sleep(0.3); sys.exit(3)"), crash], self.out).run()
+        self.assertEqual(outcome.code, 3)
+        self.assertEqual(outcome.failed.name, "sph_solver")
+        self.assertIn("signal 11", launch.how_it_ended(outcome.failed))
+
+    def test_the_others_are_ended_when_one_dies(self):
+        saved, launch.GRACE, launch.GRACE_TERMINATE = (launch.GRACE, launch.GRACE_TERMINATE), 0.3, 0.3
+        try:
+            deaf = self.child("fem_solver", "signal.signal(signal.SIGTERM, signal.SIG_IGN); time.sleep(60)")
+            started = time.monotonic()
+            outcome = Watch([deaf, self.child("sph_solver", "time.sleep(0.2); sys.exit(2)")], self.out).run()
+            self.assertLess(time.monotonic() - started, 10)
+            self.assertEqual(outcome.code, 2)
+            self.assertEqual(deaf.code, -signal.SIGKILL)
+        finally:
+            launch.GRACE, launch.GRACE_TERMINATE = saved
+
+    def test_the_first_interrupt_goes_to_the_coupler_alone(self):
+        coupler = self.child("coupler", f"""
+            def stop(*_):
+                open({str(self.out / 'finish')!r}, "w").close()
+                sys.exit(130)
+            signal.signal(signal.SIGINT, stop)
+            open({str(self.out / 'ready')!r}, "w").close()
+            time.sleep(60)""")
+        solver = self.child("sph_solver", f"""
+            signal.signal(signal.SIGINT, lambda *_: sys.exit(9))
+            while not os.path.exists({str(self.out / 'finish')!r}):
+                time.sleep(0.02)""")
+
+        def interrupt():
+            while not (self.out / "ready").exists():
+                time.sleep(0.02)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Thread(target=interrupt, daemon=True).start()
+        outcome = Watch([coupler, solver], self.out).run()
+        self.assertEqual(outcome.code, 130)
+        self.assertEqual(solver.code, 0)       # followed in good order, without a signal
+
+    def test_the_second_interrupt_ends_all(self):
+        deaf = self.child("coupler", f"""
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+            open({str(self.out / 'ready')!r}, "w").close()
+            time.sleep(60)""")
+
+        def interrupt():
+            while not (self.out / "ready").exists():
+                time.sleep(0.02)
+            for _ in range(2):
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.3)
+
+        threading.Thread(target=interrupt, daemon=True).start()
+        outcome = Watch([deaf], self.out).run()
+        self.assertEqual(outcome.code, 130)
+        self.assertEqual(deaf.code, -signal.SIGTERM)
+
+    def test_last_words_are_the_end_of_the_log(self):
+        (self.out / "sph_solver.log").write_text("".join(f"line {i}\n" for i in range(50)))
+        path, lines = launch.last_words(Child("sph_solver", [], 1), self.out)
+        self.assertEqual(path.name, "sph_solver.log")
+        self.assertEqual(lines, [f"line {i}" for i in range(40, 50)])
+
+
+class PlanTest(unittest.TestCase):
+    def test_threads_go_to_the_particle_solver(self):
+        self.assertEqual(split_threads(8, ["coupler", "sph_solver", "fem_solver"]),
+                         {"coupler": 1, "sph_solver": 8, "fem_solver": 1})
+        self.assertEqual(split_threads(8, ["fem_solver"]), {"fem_solver": 8})
+
+    def test_no_failure_has_no_cause(self):
+        done = Child("coupler", [], 1)
+        done.code, done.ended = 0, 1.0
+        self.assertIsNone(first_failure([done]))
+
+    def test_a_free_endpoint_is_local(self):
+        self.assertEqual(launch.free_endpoint("ipc", "/tmp/x"), "ipc:///tmp/x/coupler.sock")
+        self.assertRegex(launch.free_endpoint("tcp", "/tmp/x"), r"^tcp://127\.0\.0\.1:\d+$")
+
+
+class CommandLineTest(unittest.TestCase):
+    """The tool as the user calls it."""
+
+    TOP = pathlib.Path(__file__).resolve().parents[2]
+
+    def call(self, *arguments, build="/nonexistent-build"):
+        return subprocess.run([str(self.TOP / "scripts" / "undertow"), *arguments], capture_output=True, text=True,
+                              check=False, env={**os.environ, "UNDERTOW_BUILD": build})
+
+    def test_without_a_build_it_says_what_to_do(self):
+        done = self.call("run", "cases/dam_break")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("run scripts/setup.sh first", done.stderr)
+
+    def test_unknown_results_are_named(self):
+        done = self.call("compare", "no_such_case")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no_such_case: no results found", done.stderr)
+
+    def test_help_names_the_commands(self):
+        done = self.call("--help")
+        self.assertEqual(done.returncode, 0)
+        for command in ("run", "check", "compare", "status", "movie"):
+            self.assertIn(command, done.stdout)
+
+
+class ResultsFolderTest(unittest.TestCase):
+    def test_earlier_results_move_aside_and_nothing_else_is_touched(self):
+        from undertow_tool.errors import UserError
+        from undertow_tool.results_folder import prepare
+
+        with tempfile.TemporaryDirectory() as top:
+            out = pathlib.Path(top) / "case"
+            self.assertIsNone(prepare(out, replace=False))
+            (out / "run.json").write_text(json.dumps({"number": 1}))
+            self.assertIn("case.1", prepare(out, replace=False))
+            self.assertEqual(json.loads((out.with_name("case.1") / "run.json").read_text()), {"number": 1})
+            (out / "run.json").write_text(json.dumps({"number": 2}))
+            self.assertIn("case.2", prepare(out, replace=False))
+            (out / "run.json").write_text(json.dumps({"number": 3}))
+            self.assertIn("replaced", prepare(out, replace=True))
+            self.assertFalse(out.with_name("case.3").exists())
+            (out / "thesis.tex").write_text("years of work")
+            with self.assertRaises(UserError):
+                prepare(out, replace=True)
+            self.assertTrue((out / "thesis.tex").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

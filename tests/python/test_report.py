@@ -1,0 +1,180 @@
+"""Joining of summaries, histories, and the dam-break report on made-up data."""
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TOP / "scripts"))
+
+from undertow_tool import report as reports  # noqa: E402
+from undertow_tool.checks import all_ok, check, in_band, relative  # noqa: E402
+from undertow_tool.estimate import estimate, wave_speed  # noqa: E402
+from undertow_tool.history import read_history  # noqa: E402
+from undertow_tool.join import join_energy, join_summaries  # noqa: E402
+from undertow_tool.table import check_table, comparison_table, console, figures, shares  # noqa: E402
+
+DEPTH, GATE, WALL, G, RHO = 0.3, 0.6, 1.61, 9.81, 997.0
+STAR = np.sqrt(G / DEPTH)
+BOX = {"min": [0, 0, 0], "max": [0.6, 0.15, 0.3]}
+CASE = {
+    "file": "case.toml", "folder": str(TOP / "cases" / "dam_break"), "coupled": True,
+    "known_levels": [], "known_variants": [],
+    "case": {"name": "dam_break", "title": "Dam break", "dimension": 3, "thickness": 1, "gravity": [0, 0, -G]},
+    "time": {"end": 0.9, "max_step": None}, "output": {"fields_every": 0.01},
+    "sph": {"spacing": 0.01, "smoothing_ratio": 1.2, "cfl": 0, "integrator": "auto", "max_speed": 0,
+            "fluid": [{"name": "water", "density": RHO, "sound_speed": "auto"}],
+            "fill": [{"box": BOX, "velocity": [0, 0, 0]}]},
+    "fem": {"mesh": "", "cfl": 0.9, "surface": [{"name": "wall", "set": "xmin"}],
+            "block": {"box": {"min": [1.61, 0, 0], "max": [1.63, 0.15, 0.6]}, "divisions": [1, 8, 30]},
+            "material": [{"name": "pmma", "density": 1190, "young_modulus": 3.2e9, "poisson_ratio": 0.32}]},
+    "coupling": {"law": "fluid", "skin": 0.3, "beta": 0.25, "damping": 0.1, "patch": []},
+    "report": {"depth": DEPTH, "gate": GATE, "wall": WALL, "snapshots": [1.0, 2.0],
+               "sensors": {"P1": 0.003, "P2": 0.015, "P3": 0.030, "P4": 0.080}},
+}
+
+
+def write_csv(path, **columns):
+    names = list(columns)
+    rows = np.column_stack([columns[name] for name in names])
+    header = ",".join(name.replace("__", ".") + (" [s]" if name == "t" else " [m]") for name in names)
+    path.write_text("# made up\n" + header + "\n" + "".join(",".join(f"{v:.9g}" for v in row) + "\n" for row in rows))
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.out = pathlib.Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+
+class JoinTest(Folder):
+    def test_flat_and_nested_parts_join(self):
+        (self.out / "summary.sph.json").write_text(json.dumps({"steps": 10, "sph": {"particles": 27000}, "wait_s": 1}))
+        (self.out / "summary.fem.json").write_text(json.dumps({"steps": 10, "elements": 240, "dt_min": 2e-6}))
+        (self.out / "summary.coupler.json").write_text(json.dumps(
+            {"steps": 11, "dt_mean": 1e-5, "coupling": {"momentum_residual": 1e-15}}))
+        joined = join_summaries(self.out)
+        self.assertEqual(joined["steps"], 11)                 # the coupler's count goes before the solvers'
+        self.assertEqual(joined["dt_min"], 2e-6)              # what only one of them knows
+        self.assertEqual(joined["sph"]["particles"], 27000)
+        self.assertEqual(joined["sph"]["wait_s"], 1)
+        self.assertEqual(joined["fem"]["elements"], 240)
+        self.assertEqual(joined["coupling"]["momentum_residual"], 1e-15)
+
+    def test_a_solver_that_ran_alone_speaks_for_the_run(self):
+        (self.out / "summary.sph.json").write_text(json.dumps({"steps": 5, "sph": {"particles": 8}}))
+        joined = join_summaries(self.out)
+        self.assertEqual(joined["steps"], 5)
+        self.assertNotIn("fem", joined)
+
+    def test_a_half_written_part_is_no_part(self):
+        (self.out / "summary.sph.json").write_text('{"steps": 5, "sph"')
+        self.assertEqual(join_summaries(self.out), {})
+
+    def test_energies_join_on_the_times_of_the_fluid(self):
+        t = np.linspace(0, 1, 11)
+        (self.out / "energy.sph.csv").write_text("t [s],kinetic [J]\n" + "".join(f"{a},{2 * a}\n" for a in t))
+        (self.out / "energy.fem.csv").write_text("t [s],kinetic [J]\n0,0\n0.5,1\n1,2\n")
+        joined = read_history(join_energy(self.out))
+        np.testing.assert_allclose(joined["sph.kinetic"], 2 * t)
+        np.testing.assert_allclose(joined["fem.kinetic"], 2 * t)
+        self.assertEqual(joined.units["fem.kinetic"], "J")
+
+    def test_a_history_cut_in_the_middle_of_a_row_keeps_its_whole_rows(self):
+        (self.out / "a.csv").write_text("# note\nt [s],p [Pa]\n0,1\n1,2\n2")
+        history = read_history(self.out / "a.csv")
+        np.testing.assert_allclose(history["p"], [1, 2])
+        self.assertEqual(history.notes, ["note"])
+
+
+class CheckTest(unittest.TestCase):
+    def test_verdicts(self):
+        self.assertTrue(relative("a", 1.04, 1.0, 0.05)["ok"])
+        self.assertFalse(relative("a", 1.06, 1.0, 0.05)["ok"])
+        self.assertIsNone(relative("a", 9.0, 1.0)["ok"])
+        self.assertFalse(check("a", float("nan"), 0.0, float("nan"), 1.0)["ok"])
+        self.assertTrue(in_band("a", 2.0, 3.0, 1.5, 4.0)["ok"])
+        self.assertFalse(in_band("a", 1.4, 3.0, 1.5, 4.0)["ok"])
+        self.assertFalse(all_ok([relative("a", 1.0, 1.0, 0.1), relative("b", 2.0, 1.0, 0.1)]))
+
+    def test_tables_print_missing_values(self):
+        rows = [relative("speed", None, 1.0, 0.05), in_band("peak", 2.0, 3.0, 1.5, 4.0)]
+        screen = console()
+        with screen.capture() as captured:
+            screen.print(check_table("title", rows))
+            screen.print(comparison_table([("a", {"checks": rows}), ("b", {"wall_s": 1.0})]))
+        self.assertIn("-33.3 %", captured.get())
+        self.assertEqual(figures({"wall_s": 2.0})[0], "wall time 2 s")
+        self.assertEqual(shares({"sph: sound": 3, "output": 1}), "sph: sound 75 %, output 25 %")
+
+
+class EstimateTest(unittest.TestCase):
+    def test_the_wave_speed_of_the_element_has_one_minus_two_nu(self):
+        # steel: tables give 5.9 to 6.0 km/s for the longitudinal wave
+        self.assertAlmostEqual(wave_speed({"young_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}), 6001, delta=1)
+
+    def test_counts_and_limits_of_the_dam_break(self):
+        figures_ = estimate(CASE, 2)
+        self.assertEqual(figures_["particles"], 27000)
+        self.assertEqual(figures_["elements"], 240)
+        self.assertIn("fem", figures_["limiter"])
+        # 18.75 mm at 1962 m/s with 0.9
+        self.assertAlmostEqual(figures_["dt"], 0.9 * 0.01875 / 1962, delta=1e-8)
+
+
+class DamBreakReportTest(Folder):
+    """The report on the experiment's own curves must find no error, and on others it must."""
+
+    def setUp(self):
+        super().setUp()
+        self.front = read_history(TOP / "cases/dam_break/reference/lobovsky2014_front_H300.csv")
+        self.pressure = read_history(TOP / "cases/dam_break/reference/lobovsky2014_pressure_percentiles_H300.csv")
+        self.t = np.arange(0, 0.9, 4.5e-4)
+
+    def write(self, front_factor=1.0, pressure_delay=0.0, pressure_factor=1.0):
+        """Histories after the experiment: front position times a factor, pressures later and larger."""
+        curve_t = np.append(self.front["tstar"], 2.573)
+        curve_x = np.append(self.front["x_over_H"], (WALL - GATE) / DEPTH)
+        x = np.minimum(front_factor * np.interp(self.t * STAR, curve_t, curve_x), (WALL - GATE) / DEPTH)
+        write_csv(self.out / "gauges.csv", t=self.t, front=GATE + DEPTH * x)
+        columns = {s: pressure_factor * RHO * G * DEPTH
+                   * np.interp(self.t * STAR - pressure_delay, self.pressure["tstar"], self.pressure[f"{s}_med"])
+                   for s in ("P1", "P2", "P3", "P4")}
+        write_csv(self.out / "patches.csv", t=self.t, **columns)
+        write_csv(self.out / "forces.csv", t=self.t, wall__water__fx=columns["P1"] * 0.01)
+        summary = {"coupling": {"momentum_residual": 1e-15}}
+        return {row["name"]: row for row in reports.run_report(self.out, CASE, summary)}
+
+    def test_the_experiment_agrees_with_itself(self):
+        rows = self.write()
+        self.assertEqual(len(rows), 11)
+        self.assertLess(rows["front X = x/H, RMS over t* = 0.5, 1, 1.5, 2, 2.4"]["value"], 1e-3)
+        # a least-squares line through the paper's own curve: the known refit
+        self.assertAlmostEqual(rows["front speed dX/dt*, 1 < t* < 2.4"]["value"], 1.53, delta=0.01)
+        self.assertTrue(all_ok(rows.values()), [r["name"] for r in rows.values() if r["ok"] is False])
+        self.assertGreater((self.out / "report.png").stat().st_size, 20000)
+
+    def test_pressures_are_compared_from_arrival_on_and_the_front_is_not_shifted(self):
+        rows = self.write(pressure_delay=0.5)
+        self.assertTrue(all_ok(rows.values()), [r["name"] for r in rows.values() if r["ok"] is False])
+
+    def test_errors_are_found(self):
+        rows = self.write(front_factor=1.1, pressure_factor=1.6)
+        self.assertFalse(rows["front X = x/H, RMS over t* = 0.5, 1, 1.5, 2, 2.4"]["ok"])
+        self.assertFalse(rows["front speed dX/dt*, 1 < t* < 2.4"]["ok"])
+        self.assertFalse(rows["P2 first peak, p/(rho g H)"]["ok"])
+        self.assertFalse(rows["P1 mean after impact, p/(rho g H)"]["ok"])
+
+    def test_a_short_run_has_only_the_checks_it_reached(self):
+        self.t = np.arange(0, 0.2, 4.5e-4)
+        self.assertEqual(set(self.write()), {"momentum given by the water less received by the wall"})
+
+
+if __name__ == "__main__":
+    unittest.main()
