@@ -98,8 +98,8 @@ const StableStep& Structure::stable_step() {
     const double b2 = model_.bulk_viscosity.quadratic;
     const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression;
     const double omega = tightening_ * std::sqrt(report_.omega2);
-    stable_.dt = model_.cfl * 2 / omega * (std::sqrt(1 + xi * xi) - xi);
-    if (std::abs(report_.omega2 - named_omega2_) > 1e-6 * report_.omega2) {
+    stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
+    if (std::abs(report_.omega2 - named_omega2_) > 1e-4 * report_.omega2) {
         const std::size_t e = elements_.stiffest();
         stable_.limiter = model_.mesh.element_name(e) + " of " + elements_.part_name(e);
         named_omega2_ = report_.omega2;

@@ -54,9 +54,10 @@ class Structure {
     /// PhysicsError that names the element or node when a value is not finite, an element inverts
     /// or a node outruns sound.
     void check_health(std::int64_t n, double t) const;
-    /// dt = cfl 2/omega (sqrt(1 + xi^2) - xi), xi = b1 + b2^2 Ma the bulk viscosity's damping ratio
-    /// at the closing Mach number Ma.  [Eq. 13 with c from (1-2 nu); omega from the elements'
-    /// bound, tightened by the largest eigenfrequency of the whole mesh]
+    /// dt = (2/omega) (sqrt(cfl^2 + xi^2) - xi), xi = b1 + b2^2 Ma the bulk viscosity's damping
+    /// ratio at the closing Mach number Ma: stiffness and lagged viscosity together take cfl^2 of
+    /// the stability limit, and leave 1 - cfl^2 of it to contact.  [Eq. 13 with c from (1-2 nu);
+    /// omega from the elements' bound, tightened by the largest eigenfrequency of the whole mesh]
     const StableStep& stable_step();
 
     Energies energies() const;  // complete after kick

@@ -65,7 +65,9 @@ def draw(beam, t, u, mean, f, path):
     axes.plot(1e3 * t, 1e3 * theory, "--", color=EXPERIMENT, linewidth=1, label="beam theory, first mode alone")
     axes.axhline(1e3 * beam.deflection(), color="#aaaaaa", linewidth=1)
     axes.set(title=f"Tip of the cantilever: {f:.3f} Hz, mean {1e3 * mean:.4f} mm", xlabel="t [ms]", ylabel="uz [mm]")
-    axes.legend(loc="upper right")
+    axes.set_ylim(top=0.35 * abs(1e3 * beam.deflection()))
+    axes.legend(loc="upper right", ncol=2)
+    figure.tight_layout()
     figure.savefig(path)
     plt.close(figure)
 

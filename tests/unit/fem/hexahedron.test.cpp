@@ -154,6 +154,20 @@ TEST_CASE("hourglass displacements meet the stiffness of beam theory at any aspe
         CHECK(e.f[0][n] == Approx(expected * corner[n][0] * corner[n][2]).epsilon(1e-9));
 }
 
+TEST_CASE("bulk viscosity resists both ways linearly, and compression by a square on top") {
+    OneElement e({1, 1, 1}, 0);
+    const double rate = GENERATE(10.0, -10.0), dt = 1e-6;  // [1/s] of one direction
+    for (int n = 0; n < 8; ++n) e.dx[0][n] = rate * dt * e.x[0][n];
+    e.step(dt);
+    const double l = e.constants.length, rho = 1000, c = e.law.sound_speed;
+    const double quadratic = rate < 0 ? std::pow(1.2 * l * rate, 2) : 0.0;
+    // strain 1e-5 in a step: midpoint and end differ by that
+    CHECK(e.state.viscous == Approx(rho * (0.06 * c * l * rate - quadratic)).epsilon(2e-5));
+    const double sum = (e.material.lambda + 2 * e.material.mu) * rate * dt + e.state.viscous;
+    CHECK(e.f[0][1] == Approx(sum / 4).epsilon(5e-5));  // a quarter of the face's force
+    CHECK(e.report.viscous_work > 0);
+}
+
 TEST_CASE("a rigid turn by 90 degrees turns stress and hourglass forces, and does no work") {
     const int steps = GENERATE(10, 10000);
     OneElement e({1.0, 0.6, 1.4}, 0.1);

@@ -244,6 +244,12 @@ TEST_CASE("parts must cover the mesh once, and names must exist") {
     c.info.dimension = 2;
     c.info.thickness = 0.5;
     CHECK_THROWS_WITH(build_model(c), Catch::Contains("slab"));
+    c.info.thickness = 1;
+    const Structure slab(build_model(c), 1);  // plane strain: no node moves in y
+    for (const NodeRow& inverse_mass : slab.nodes().inverse_mass) {
+        CHECK(inverse_mass.c[1] == 0);
+        CHECK(inverse_mass.c[0] > 0);
+    }
 }
 
 }  // namespace
