@@ -47,8 +47,9 @@ def merge(base, layer):
             base[key] = value
 
 
-def read_table(path, level, variants, overrides):
-    """[backend.spring_wall] with the level, the variants and the overrides laid over it."""
+def read_case(path, level, variants, overrides):
+    """The tables of this program with the level, the variants and the overrides laid over them:
+    [backend.spring_wall], and history_every [s] of [output] (0: 1/2000 of the run)."""
     path = pathlib.Path(path)
     path = path / "case.toml" if path.is_dir() else path
     try:
@@ -63,12 +64,12 @@ def read_table(path, level, variants, overrides):
         raise InputError(f"{path}: there is no level or variant {error}") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: {error}") from None
-    table = case.get("backend", {}).get("spring_wall")
-    if table is None:
-        raise InputError(f"{path}: the table [backend.spring_wall] is missing")
+    tables = {key: dict(case.get(key, {})) for key in ("backend", "output")}
     for layer in layers:
-        merge(table, layer.get("backend", {}).get("spring_wall", {}))
-    return table
+        merge(tables, {key: layer[key] for key in tables if key in layer})
+    if "spring_wall" not in tables["backend"]:
+        raise InputError(f"{path}: the table [backend.spring_wall] is missing")
+    return tables["backend"]["spring_wall"], float(tables["output"].get("history_every", 0))
 
 
 class SpringWall:
@@ -97,6 +98,8 @@ class SpringWall:
         self.build_mesh(origin, u, v, n_u, n_v)
         self.q = self.q_dot = 0.0        # [m] at t, [m/s] at t - dt/2
         self.last_dt = 0.0               # [s] 0: the first kick is half a step
+        self.last_loads = None           # [N] force and drag at the step before
+        self.kinetic = self.spring = self.damped = self.work = 0.0      # [J] at t
 
     def build_mesh(self, origin, u, v, n_u, n_v):
         a, b = np.meshgrid(np.linspace(0, 1, n_u + 1), np.linspace(0, 1, n_v + 1), indexing="ij")
@@ -118,12 +121,30 @@ class SpringWall:
         lower the stable step."""
         kick = 0.5 * (self.last_dt + dt)
         drag = 0.5 * kick * self.damping / self.mass
-        self.q_dot = ((1 - drag) * self.q_dot
+        before = self.q_dot
+        self.q_dot = ((1 - drag) * before
                       + kick * (force - self.stiffness * self.q) / self.mass) / (1 + drag)
+        self.account(before, np.array([force, self.damping * 0.5 * (before + self.q_dot)]))
         self.q += dt * self.q_dot
         self.last_dt = dt
         if not np.isfinite(self.q):
             raise ArithmeticError(f"the wall's displacement is {self.q} after a force of {force} N")
+
+    def account(self, before, loads):
+        """Energies at t. Work is the mean of the loads at both ends of a step times its way: then
+        the sum balances to round-off while dt does not change, but for the first half kick."""
+        self.kinetic = 0.5 * self.mass * before * self.q_dot
+        self.spring = 0.5 * self.stiffness * self.q ** 2
+        if self.last_loads is not None:
+            way = self.last_dt * before
+            self.work += 0.5 * (self.last_loads[0] + loads[0]) * way
+            self.damped += 0.5 * (self.last_loads[1] + loads[1]) * way
+        self.last_loads = loads
+
+    def energies(self):
+        """[J] kinetic, spring, damping, contact work, balance error."""
+        error = self.kinetic + self.spring + self.damped - self.work
+        return self.kinetic, self.spring, self.damped, self.work, error
 
     def positions(self):
         return self.x0 + self.q * self.normal
@@ -134,17 +155,43 @@ class SpringWall:
 
 # ---------------------------------------------------------------- the run
 
-def run(wall, link, history, stop):
+class Histories:
+    """fem.history.csv and energy.fem.csv, a row every `every` seconds."""
+
+    def __init__(self, out, every):
+        self.every, self.next = every, 0
+        self.motion = open(out / "fem.history.csv", "w", encoding="ascii", buffering=1)
+        self.energy = open(out / "energy.fem.csv", "w", encoding="ascii", buffering=1)
+        self.motion.write("# wall: displacement and speed along its normal, contact force on it\n"
+                          "# displacement and force at t, speed half a step before\n"
+                          "t [s],displacement [m],velocity [m/s],force [N]\n")
+        self.energy.write("# energies of the wall at t; internal is the spring's\n"
+                          "t [s],kinetic [J],internal [J],damping [J],contact work [J],"
+                          "balance error [J]\n")
+
+    def row(self, t, motion, energies):
+        if t >= self.next * self.every * (1 - 1e-12):
+            self.next = int(t / self.every * (1 + 1e-12)) + 1
+            self.motion.write(",".join(f"{value:.9g}" for value in (t, *motion)) + "\n")
+            self.energy.write(",".join(f"{value:.9g}" for value in (t, *energies)) + "\n")
+
+    def close(self):
+        self.motion.close()
+        self.energy.close()
+
+
+def run(wall, link, out, history_every, stop):
     """All steps; returns the figures of the summary."""
     link.announce(mesh=wall.surface, groups=[wall.surface], x=wall.x0, mass=wall.nodal_mass,
                   quad=wall.quad, group=np.zeros(len(wall.quad)))
+    t0, n0, t_end = (link.welcome[key] for key in ("t0", "n0", "te"))
     dt_limit = wall.stable_step(link.welcome["share"])
-    start, t, n = time.monotonic(), link.welcome["t0"], link.welcome["n0"]
-    figures = {"displacement_max": 0.0, "displacement_min": 0.0, "impulse": 0.0, "force_max": 0.0}
-    dt_min, t0 = np.inf, t
+    histories = Histories(out, history_every or (t_end - t0) / 2000)
+    start, t, n, dt_min = time.monotonic(), t0, n0, np.inf
+    displacements, force_max, impulse, largest_energy, worst_balance = [0.0, 0.0], 0.0, 0.0, 0.0, 0.0
     while True:
         link.send_state(n, t, dt_limit, wall.positions(), wall.velocities(), "spring of the wall",
-                        STATE_STOP if stop else 0, work=float(n * len(wall.x0)))
+                        STATE_STOP if stop else 0, work=float((n - n0) * len(wall.quad)))
         reply = link.wait_reply()
         if reply.finish:
             break
@@ -152,21 +199,25 @@ def run(wall, link, history, stop):
             raise InputError("spring_wall does not write checkpoints")
         dt = reply.force["dt"]
         force = float((reply.force["f"] @ wall.normal).sum())       # [N] along the normal
-        history.write(f"{t:.9g},{wall.q:.9g},{wall.q_dot:.9g},{force:.9g}\n")
+        motion = (wall.q, wall.q_dot, force)
         wall.step(force, dt)
-        figures["displacement_max"] = max(figures["displacement_max"], wall.q)
-        figures["displacement_min"] = min(figures["displacement_min"], wall.q)
-        figures["force_max"] = max(figures["force_max"], abs(force))
-        figures["impulse"] += force * dt
-        dt_min = min(dt_min, dt)
+        energies = wall.energies()
+        histories.row(t, motion, energies)
+        displacements = [min(displacements[0], wall.q), max(displacements[1], wall.q)]
+        force_max, impulse = max(force_max, abs(force)), impulse + force * dt
+        largest_energy = max(largest_energy, abs(energies[0]), energies[1], abs(energies[3]))
+        worst_balance, dt_min = max(worst_balance, abs(energies[4])), min(dt_min, dt)
         t, n = reply.force["t1"], n + 1
+    histories.close()
     link.say_goodbye(n)
-    n_steps = n - link.welcome["n0"]
-    return {"program": SOFTWARE, "ok": True, "reason": reply.finish["reason"],
-            "wall_s": time.monotonic() - start, "steps": n_steps, "t_end": t,
-            "dt_min": dt_min if n_steps else 0.0, "dt_mean": (t - t0) / max(n_steps, 1),
-            "fem": {"elements": len(wall.quad), "nodes": len(wall.x0), "wait_s": link.waited,
-                    **figures}}
+    return {"program": SOFTWARE, "complete": reply.finish["reason"] == "done", "t": t,
+            "steps": n - n0, "elements": len(wall.quad), "nodes": len(wall.x0),
+            "wall_s": time.monotonic() - start, "wait_s": link.waited,
+            "dt_min": dt_min if n > n0 else 0.0, "dt_mean": (t - t0) / max(n - n0, 1),
+            "energy_balance_error": worst_balance / largest_energy if largest_energy else 0.0,
+            "max_displacement": max(displacements[1], -displacements[0]),
+            "displacement_min": displacements[0], "displacement_max": displacements[1],
+            "force_max": force_max, "impulse": impulse}
 
 
 def arguments():
@@ -179,7 +230,7 @@ def arguments():
     parser.add_argument("--with", dest="variants", action="append", default=[], metavar="VARIANT")
     parser.add_argument("--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--threads", type=int, help="accepted like fem_solver's; this one has one")
-    parser.add_argument("--quiet", action="store_true", help="nothing on the terminal but errors")
+    parser.add_argument("--quiet", action="store_true", help="accepted like fem_solver's; the terminal shows errors only")
     parser.add_argument("--version", action="version", version=SOFTWARE)
     return parser.parse_args()
 
@@ -199,25 +250,21 @@ def main():
     link = None
     try:
         out.mkdir(parents=True, exist_ok=True)
-        handlers = [logging.FileHandler(out / "fem_solver.log", mode="w")]
-        handlers += [] if options.quiet else [logging.StreamHandler(sys.stderr)]
-        logging.basicConfig(level=logging.INFO, handlers=handlers,
+        logging.basicConfig(level=logging.INFO, filename=out / "fem_solver.log", filemode="w",
                             format="%(asctime)s %(levelname)s %(message)s")
-        wall = SpringWall(read_table(options.case, options.level, options.variants,
-                                     options.overrides))
+        table, history_every = read_case(options.case, options.level, options.variants,
+                                         options.overrides)
+        wall = SpringWall(table)
         log.info("%s: %d facets, %g kg, %g N/m", SOFTWARE, len(wall.quad), wall.mass,
                  wall.stiffness)
         link = Participant(options.coupler, "fem", "surface", SOFTWARE)
-        with open(out / "fem.history.csv", "w", encoding="ascii") as history:
-            history.write("# wall: displacement and speed along its normal, contact force on it\n"
-                          "# displacement and force at t, velocity half a step before\n"
-                          "t [s],displacement [m],velocity [m/s],force [N]\n")
-            summary = run(wall, link, history, stop)
+        summary = run(wall, link, out, history_every, stop)
         aside = out / "summary.fem.json.part"
         aside.write_text(json.dumps(summary, indent=2) + "\n", encoding="ascii")
         aside.replace(out / "summary.fem.json")
-        log.info("%s after %d steps", summary["reason"], summary["steps"])
-        return INTERRUPTED if summary["reason"] == "interrupted" else DONE
+        log.info("%s after %d steps", "done" if summary["complete"] else "interrupted",
+                 summary["steps"])
+        return DONE if summary["complete"] else INTERRUPTED
     except (InputError, OSError, ValueError) as error:
         return fail(link, "E_INPUT", error, INPUT)
     except PeerError as error:
@@ -228,7 +275,7 @@ def main():
 
 def fail(link, code, error, exit_code):
     log.error("%s: %s", code, error)
-    print(f"spring_wall: {error}", file=sys.stderr) if not log.hasHandlers() else None
+    print(f"spring_wall: {error}", file=sys.stderr)
     if link:
         link.report_error(code, str(error))
     return exit_code
