@@ -33,6 +33,8 @@ def run(arguments):
                         "stands in for it with --fem.")
     if arguments.fem and not Path(arguments.fem).exists():
         raise UserError(f"--fem {arguments.fem}: there is no such program.")
+    if arguments.fem and not case["coupled"] and not case["fem"]:
+        raise UserError(f"--fem {arguments.fem}: the case has no [fem] in this variant, so there is nothing to stand in for.")
     threads = arguments.threads or cores()
     out = (Path(arguments.out) if arguments.out else RESULTS / cases.result_name(case, arguments)).absolute()
     told = prepare(out, arguments.force)
