@@ -5,7 +5,7 @@ from .history import read_history
 from .results_folder import read_json
 
 # What belongs to the run as a whole: taken from the coupler, or from the solver that ran alone.
-COMMON = ("steps", "t", "t_end", "dt_min", "dt_mean", "dt_max", "limiters", "outputs", "finish", "interrupted")
+COMMON = ("steps", "t", "dt_min", "dt_mean", "dt_max", "limiter_percent", "reason", "ended")
 PARTS = {"sph": "sph", "fem": "fem", "coupler": "coupling"}
 
 
@@ -31,7 +31,22 @@ def join_summaries(out):
                 joined[key] = parts[section][key]
                 break
     joined.update({section: part for section, part in parts.items() if part})
+    if all(parts.values()):
+        joined["coupling"].update(time_split(*(parts[name] for name in ("sph", "fem", "coupling"))))
     return joined
+
+
+def time_split(sph, fem, coupling):
+    """Who waited, as fractions of the coupler's wall time. The slower solver never waits for the other
+    one: what it waits is what the coupling itself costs (contact, messages), the overhead."""
+    wall = coupling.get("wall_s") or 0
+    if wall <= 0:
+        return {}
+    waits = {f"{name}_wait_fraction": part["wait_s"] / wall
+             for name, part in (("sph", sph), ("fem", fem)) if "wait_s" in part}
+    if len(waits) == 2:
+        waits["overhead_fraction"] = min(waits.values())
+    return waits
 
 
 def join_energy(out):

@@ -97,7 +97,7 @@ def comparison_table(summaries):
 
 
 def shares(limiters, most=4):
-    """{"sph: sound": 0.93, ...} (fractions or counts) as text, the largest first."""
+    """{"sph: sound": 93.2, ...} as text, the largest first."""
     total = sum(limiters.values()) or 1
     ordered = sorted(limiters.items(), key=lambda item: -item[1])
     text = ", ".join(f"{name} {100 * value / total:.0f} %" for name, value in ordered[:most] if value > 0)
@@ -112,7 +112,7 @@ def figures(summary):
         lines[0] += f", {number(summary['steps'])} steps"
     steps = [f"{name} {summary[key]:.3g} s" for name, key in (("mean", "dt_mean"), ("least", "dt_min"))
              if isinstance(summary.get(key), (int, float))]
-    limiters = summary.get("limiters")
+    limiters = summary.get("limiter_percent")
     if steps:
         lines.append("dt " + ", ".join(steps)
                      + (f"; limited by {shares(limiters)}" if isinstance(limiters, dict) and limiters else ""))
@@ -125,8 +125,8 @@ def figures(summary):
                 text += f" on {part['threads']} thread" + ("s" if part["threads"] != 1 else "")
             lines.append(text)
     told = [f"{label} {100 * coupling[key]:.1f} %" for label, key in
-            (("overhead", "overhead_fraction"), ("SPH waits", "sph_wait_fraction"),
-             ("FEM waits", "fem_wait_fraction"), ("coupler waits", "wait_fraction"))
+            (("overhead", "overhead_fraction"), ("SPH waited", "sph_wait_fraction"),
+             ("FEM waited", "fem_wait_fraction"))
             if isinstance(coupling.get(key), (int, float))]
     if coupling.get("bytes_per_step") is not None:
         told.append(f"{coupling['bytes_per_step'] / 1024:.3g} KiB per step")

@@ -67,6 +67,14 @@ class JoinTest(Folder):
         self.assertEqual(joined["fem"]["elements"], 240)
         self.assertEqual(joined["coupling"]["momentum_residual"], 1e-15)
 
+    def test_the_overhead_is_what_the_slower_solver_waits(self):
+        (self.out / "summary.sph.json").write_text(json.dumps({"sph": {"particles": 1}, "wait_s": 6.0}))
+        (self.out / "summary.fem.json").write_text(json.dumps({"elements": 1, "wait_s": 90.0}))
+        (self.out / "summary.coupler.json").write_text(json.dumps({"wall_s": 100.0}))
+        coupling = join_summaries(self.out)["coupling"]
+        self.assertAlmostEqual(coupling["overhead_fraction"], 0.06)
+        self.assertAlmostEqual(coupling["fem_wait_fraction"], 0.90)
+
     def test_a_solver_that_ran_alone_speaks_for_the_run(self):
         (self.out / "summary.sph.json").write_text(json.dumps({"steps": 5, "sph": {"particles": 8}}))
         joined = join_summaries(self.out)
