@@ -1,0 +1,213 @@
+#include "coupler/coupler.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/boxes.hpp"
+#include "results/log.hpp"
+#include "results/stop_signal.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow::coupler {
+
+namespace {
+
+contact::LawSettings law_of(const CouplingSettings& settings) {
+    contact::LawSettings law;
+    law.stiffness = settings.law == StiffnessLaw::fluid ? contact::StiffnessKind::fluid
+                                                        : contact::StiffnessKind::eq11;
+    law.chi = settings.stiffness_factor;
+    law.beta = settings.beta;
+    law.eta = settings.damping;
+    law.friction = settings.friction_law == FrictionLaw::coulomb ? contact::FrictionKind::coulomb
+                                                                 : contact::FrictionKind::viscous;
+    law.mu = settings.friction;
+    law.alpha = settings.viscous_coefficient;
+    return law;
+}
+
+double largest_speed(std::span<const double> v) {
+    double largest2 = 0;
+    for (std::size_t i = 0; i + 2 < v.size(); i += 3)
+        largest2 = std::max(largest2, v[i] * v[i] + v[i + 1] * v[i + 1] + v[i + 2] * v[i + 2]);
+    return std::sqrt(largest2);
+}
+
+}  // namespace
+
+Coupler::Coupler(const Case& input, const CouplerOptions& options)
+    : input_(input),
+      options_(options),
+      participants_(options.endpoint, input),
+      progress_(options.quiet, options.folder + "/status.json"),
+      agreement_(input.time, input.output.fields_every) {
+    log_info("waiting for participants at " + participants_.endpoint());
+}
+
+int Coupler::run() {
+    try {
+        return run_loop();
+    } catch (const PeerError& error) {
+        participants_.broadcast(error.code, error.what());
+        throw;
+    } catch (const PhysicsError& error) {
+        participants_.broadcast("E_PHYSICS", error.what());
+        throw;
+    } catch (const InputError& error) {
+        participants_.broadcast("E_INPUT", error.what());
+        throw;
+    } catch (const std::exception& error) {
+        participants_.broadcast("E_STATE", error.what());
+        throw;
+    }
+}
+
+int Coupler::run_loop() {
+    participants_.join();
+    prepare();
+    send_boxes();
+    for (n_ = 0;; ++n_) {
+        participants_.receive();
+        if (const std::string reason = reason_to_end(); !reason.empty()) return finish(reason);
+
+        update_contact();
+        const AgreedStep step = agree_time_step();
+        contact_->compute_forces(step.dt);
+        send_forces(step);
+
+        contact_->settle();
+        record(step);
+        t_ = step.t1;
+        step_ = step;
+    }
+}
+
+void Coupler::prepare() {
+    for (const auto role : {Participants::particles, Participants::surface})
+        log_info(participants_.name(role) + " (" + participants_.software(role) + ") has joined");
+    joint_ = join_surfaces(participants_.surface_meshes());
+    const wire::Mesh& particles = participants_.particle_mesh();
+    contact_ = std::make_unique<contact::PenaltyContact>(contact::Surface(joint_.quad, joint_.mass),
+                                                         law_of(input_.coupling));
+    // The skin is given in spacings; a spacing is two radii.
+    budget_ = std::make_unique<SearchBudget>(particles.radius,
+                                             input_.coupling.skin * 2 * particles.radius);
+    recorder_ = std::make_unique<Recorder>(options_.folder, input_, joint_, particles.groups);
+    figures_ = std::make_unique<RunFigures>();
+    log_info("coupled surface: " + std::to_string(joint_.quad.size() / 4) + " facets, " +
+             std::to_string(joint_.mass.size()) + " nodes, " + std::to_string(joint_.names.size()) +
+             " names");
+}
+
+std::string Coupler::reason_to_end() const {
+    if (step_.last) return "done";
+    if (stop_requested() || participants_.wants_to_stop()) return "interrupted";
+    return {};
+}
+
+void Coupler::update_contact() {
+    const wire::State& surface = participants_.surface_state();
+    if (surface.revision != 0)
+        throw PeerError("E_MESH", participants_.name(Participants::surface) +
+                                      " changed its mesh at step " + std::to_string(n_) +
+                                      "; this coupler keeps the mesh of the start.");
+    if (participants_.searching()) {
+        search();
+        return;
+    }
+    const wire::State& particles = participants_.particle_state();
+    budget_->moved(particles.reach, surface.x, step_.dt);
+    contact_->update(particles.x, particles.v, surface.x, surface.v);
+    if (budget_->late() == 0 || late_reported_) return;
+    late_reported_ = true;  // once is enough; the summary has the count
+    log_warning("step " + std::to_string(n_) +
+                ": particles moved farther than the search skin allows; a contact may have been "
+                "found one step late. Raise coupling.skin.");
+}
+
+void Coupler::search() {
+    const wire::Probe& probe = participants_.probe();
+    const wire::State& surface = participants_.surface_state();
+    const double announced = participants_.particle_mesh().radius;
+    for (std::size_t i = 0; i < probe.radius.size(); ++i)
+        if (probe.radius[i] > announced * (1 + 1e-12))
+            throw PeerError("E_MESH", "particle " + std::to_string(probe.id[i]) + " has radius " +
+                                          std::to_string(probe.radius[i]) + " m, more than the " +
+                                          std::to_string(announced) + " m announced.");
+    budget_->searched(surface.x, std::max(largest_speed(probe.v), largest_speed(surface.v)));
+    contact_->rebuild({probe.x, probe.v, probe.mass, probe.radius, probe.stiffness, probe.id},
+                      budget_->skin(), surface.x, surface.v);
+    figures_->count_search();
+    phase_.clear();
+    for (std::uint32_t row : contact_->active_rows()) phase_.push_back(probe.phase[row]);
+    send_active();
+}
+
+AgreedStep Coupler::agree_time_step() {
+    offers_.assign({participants_.offer(Participants::particles),
+                    participants_.offer(Participants::surface),
+                    {contact_->step_limit(), "contact: speed of approach"}});
+    return agreement_.agree(t_, offers_);
+}
+
+/// Where the surfaces are, and the boxes outside of which no particle can touch before the search
+/// after this one.
+void Coupler::send_boxes() {
+    // Before the first step the announced mesh is all there is.
+    const bool started = contact_->surface().x().size() > 0;
+    wire::Surface message;
+    message.n = n_;
+    message.range = budget_->box_range();
+    message.x = started ? participants_.surface_state().x : joint_.x;
+    message.quad = joint_.quad;
+    contact::Surface shape(joint_.quad, joint_.mass);
+    const std::vector<double> at_rest(message.x.size(), 0);
+    shape.move(message.x, at_rest);
+    message.boxes = contact::boxes_around(shape, message.range);
+    budget_->boxes_sent(message.x);
+    participants_.send_surface(std::move(message));
+}
+
+void Coupler::send_active() {
+    wire::Active active;
+    active.n = n_;
+    active.row.assign(contact_->active_rows().begin(), contact_->active_rows().end());
+    participants_.send_active(std::move(active));
+}
+
+void Coupler::send_forces(const AgreedStep& step) {
+    if (!contact_->finite())
+        throw PhysicsError("The contact forces of step " + std::to_string(n_) +
+                           " are not finite although all positions and velocities are: a mass, "
+                           "radius or stiffness is out of range.");
+    wire::Force force;
+    force.n = n_;
+    force.dt = step.dt;
+    force.t1 = step.t1;
+    force.limiter = step.limiter;
+    if (step.output) force.flags |= wire::force_output;
+    if (budget_->due(step.dt)) {
+        force.flags |= wire::force_probe;
+        send_boxes();
+    }
+    participants_.send_forces(force, contact_->on_particles(), contact_->on_nodes());
+}
+
+void Coupler::record(const AgreedStep& step) {
+    recorder_->record({t_, step.dt}, *contact_, phase_);
+    figures_->count(step, *contact_);
+    progress_.update(figures_->live(step, participants_, *recorder_, input_.time.end));
+}
+
+int Coupler::finish(const std::string& reason) {
+    recorder_->finish(*contact_);
+    participants_.finish(n_, reason);
+    progress_.finish(figures_->live(step_, participants_, *recorder_, input_.time.end));
+    figures_->write(options_.folder + "/summary.coupler.json", reason, t_, participants_,
+                    *recorder_, *contact_, budget_->late());
+    log_info(reason + " at t = " + std::to_string(t_) + " s after " +
+             std::to_string(figures_->steps()) + " steps");
+    return reason == "done" ? exit_done : exit_interrupted;
+}
+
+}  // namespace undertow::coupler

@@ -1,0 +1,67 @@
+#pragma once
+// The coupler: brings a particle solver and a surface participant to one time step, computes the
+// contact between them, and keeps the books.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "case/time_step.hpp"
+#include "contact/penalty_contact.hpp"
+#include "coupler/joint_surface.hpp"
+#include "coupler/participants.hpp"
+#include "coupler/recorder.hpp"
+#include "coupler/run_figures.hpp"
+#include "coupler/search_budget.hpp"
+
+namespace undertow::coupler {
+
+struct CouplerOptions {
+    std::string folder;    // of the results
+    std::string endpoint;  // see wire::HostOptions
+    bool quiet = false;
+};
+
+class Coupler {
+ public:
+    Coupler(const Case& input, const CouplerOptions& options);
+
+    /// Runs to time.end, or until somebody asks to stop. Returns the exit code (done or
+    /// interrupted). Every failure is told to the participants, then thrown on.
+    int run();
+
+ private:
+    int run_loop();
+    void prepare();
+    std::string reason_to_end() const;
+    void update_contact();
+    void search();
+    AgreedStep agree_time_step();
+    void send_boxes();
+    void send_active();
+    void send_forces(const AgreedStep& step);
+    void record(const AgreedStep& step);
+    int finish(const std::string& reason);
+
+    Case input_;
+    CouplerOptions options_;
+    Participants participants_;
+    ProgressLine progress_;
+    StepAgreement agreement_;
+
+    JointSurface joint_;
+    std::unique_ptr<contact::PenaltyContact> contact_;
+    std::unique_ptr<SearchBudget> budget_;
+    std::unique_ptr<Recorder> recorder_;
+    std::unique_ptr<RunFigures> figures_;
+
+    std::int64_t n_ = 0;
+    double t_ = 0;       // [s] at the start of step n
+    AgreedStep step_{};  // the last agreed one
+    std::vector<StepOffer> offers_;
+    std::vector<std::uint32_t> phase_;  // of each active particle
+    bool late_reported_ = false;
+};
+
+}  // namespace undertow::coupler

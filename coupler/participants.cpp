@@ -1,0 +1,112 @@
+#include "coupler/participants.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace undertow::coupler {
+
+namespace {
+
+double wall_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+wire::HostOptions options_for(const std::string& endpoint, const Case& input) {
+    wire::HostOptions options;
+    options.endpoint = endpoint;
+    options.join_timeout = input.coupling.join_timeout;
+    options.deadline = input.coupling.deadline;
+    options.welcome.t_end = input.time.end;
+    options.welcome.contact_share = input.coupling.beta + 2 * input.coupling.damping;
+    return options;
+}
+
+/// Calls visit with the STATE or PROBE in it.
+template <typename Visit>
+auto with_step(const wire::Message& message, Visit visit) {
+    if (const auto* probe = std::get_if<wire::Probe>(&message)) return visit(*probe);
+    return visit(std::get<wire::State>(message));
+}
+
+}  // namespace
+
+Participants::Participants(const std::string& endpoint, const Case& input)
+    : host_(options_for(endpoint, input)) {}
+
+void Participants::join() {
+    host_.wait_join();
+    meshes_ = host_.wait_meshes();
+}
+
+void Participants::receive() {
+    std::array<bool, 2> here{};
+    double since = wall_seconds();
+    while (!here[particles] || !here[surface]) {
+        // Every second or so, so that a message is never waited for inside an interrupted call.
+        while (!host_.next_within(1.0, incoming_)) {
+        }
+        const auto who = Role(incoming_.participant);
+        const double now = wall_seconds();
+        double& wait = !here[particles] && !here[surface] ? waits_.for_both
+                       : who == particles                 ? waits_.for_particles
+                                                          : waits_.for_surface;
+        wait += now - since;
+        since = now;
+        here[who] = true;
+        last_to_come_ = who;
+        std::swap(latest_[who], incoming_.message);
+    }
+}
+
+StepOffer Participants::offer(Role role) const {
+    return with_step(latest_[role], [&](const auto& step) {
+        return StepOffer{step.dt_limit, host_.name(role) + ": " + step.limiter};
+    });
+}
+
+double Participants::work(Role role) const {
+    return with_step(latest_[role], [](const auto& step) { return step.work; });
+}
+
+double Participants::waited(Role role) const {
+    return with_step(latest_[role], [](const auto& step) { return step.wait; });
+}
+
+bool Participants::wants_to_stop() const {
+    for (const wire::Message& message : latest_)
+        if (with_step(message, [](const auto& step) { return step.flags & wire::state_stop; }))
+            return true;
+    return false;
+}
+
+void Participants::send_surface(wire::Surface message) {
+    host_.send(particles, std::move(message));
+}
+
+void Participants::send_active(wire::Active message) {
+    host_.send(particles, std::move(message));
+}
+
+void Participants::send_forces(const wire::Force& common, std::span<const double> on_particles,
+                               std::span<const double> on_nodes) {
+    const auto send = [&](Role role) {
+        wire::Force force = common;
+        const auto f = role == particles ? on_particles : on_nodes;
+        force.f.assign(f.begin(), f.end());
+        if (role == surface) force.flags &= ~std::uint32_t(wire::force_probe);
+        host_.send(role, std::move(force));
+    };
+    send(last_to_come_);
+    send(last_to_come_ == particles ? surface : particles);
+}
+
+void Participants::finish(std::int64_t n, const std::string& reason) {
+    host_.finish(n, reason);
+}
+
+void Participants::broadcast(const std::string& code, const std::string& text) noexcept {
+    host_.broadcast_error(code, text, "coupler");
+}
+
+}  // namespace undertow::coupler

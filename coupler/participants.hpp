@@ -1,0 +1,69 @@
+#pragma once
+// The coupler's two peers: one particle solver, one surface participant. All talk to the wire is
+// here.
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+#include "case/time_step.hpp"
+#include "wire/host.hpp"
+
+namespace undertow::coupler {
+
+/// Wall time the coupler stood still, by who was missing.  [s]
+struct Waits {
+    double for_particles = 0;  // the surface was there, the particles were not
+    double for_surface = 0;
+    double for_both = 0;
+};
+
+class Participants {
+ public:
+    enum Role : std::size_t { particles = 0, surface = 1 };
+
+    Participants(const std::string& endpoint, const Case& input);
+
+    /// HELLO, WELCOME and MESH of both.
+    void join();
+    const wire::Mesh& particle_mesh() const { return meshes_[particles].front(); }
+    const std::vector<wire::Mesh>& surface_meshes() const { return meshes_[surface]; }
+
+    /// One STATE (or PROBE) of each for the next step; waits, and notes for whom.
+    void receive();
+    bool searching() const { return std::holds_alternative<wire::Probe>(latest_[particles]); }
+    const wire::Probe& probe() const { return std::get<wire::Probe>(latest_[particles]); }
+    const wire::State& particle_state() const { return std::get<wire::State>(latest_[particles]); }
+    const wire::State& surface_state() const { return std::get<wire::State>(latest_[surface]); }
+    StepOffer offer(Role role) const;  // "sph: sound"
+    double work(Role role) const;      // particle- or element-steps done so far
+    double waited(Role role) const;    // [s] it has waited for the coupler so far
+    bool wants_to_stop() const;        // Ctrl-C at a participant
+
+    void send_surface(wire::Surface message);
+    void send_active(wire::Active message);
+    /// FORCE to both, first to the one that came last: it has the most to do.
+    void send_forces(const wire::Force& common, std::span<const double> on_particles,
+                     std::span<const double> on_nodes);
+
+    void finish(std::int64_t n, const std::string& reason);
+    void broadcast(const std::string& code, const std::string& text) noexcept;
+
+    const std::string& name(Role role) const { return host_.name(role); }
+    const std::string& software(Role role) const { return host_.software(role); }
+    const std::string& endpoint() const { return host_.endpoint(); }
+    double bytes() const { return double(host_.bytes_sent()) + double(host_.bytes_received()); }
+    const Waits& waits() const { return waits_; }
+
+ private:
+    wire::Host host_;
+    std::vector<std::vector<wire::Mesh>> meshes_;
+    std::array<wire::Message, 2> latest_;
+    wire::Received incoming_;
+    Role last_to_come_ = particles;
+    Waits waits_;
+};
+
+}  // namespace undertow::coupler

@@ -1,0 +1,169 @@
+#include "coupler/recorder.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace undertow::coupler {
+
+namespace {
+
+using contact::Contact;
+using contact::Vec;
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
+double history_interval(const Case& input) {
+    return input.output.history_every > 0 ? input.output.history_every : input.time.end / 2000;
+}
+
+void add_columns(std::vector<std::string>& columns, const std::string& name) {
+    for (const char* axis : {"fx", "fy", "fz"}) columns.push_back(name + "." + axis + " [N]");
+    for (const char* axis : {"mx", "my", "mz"}) columns.push_back(name + "." + axis + " [N m]");
+    for (const char* axis : {"jx", "jy", "jz"}) columns.push_back(name + "." + axis + " [N s]");
+}
+
+std::vector<std::string> force_columns(const JointSurface& surface,
+                                       const std::vector<std::string>& phases) {
+    std::vector<std::string> columns{"t [s]", "dt [s]"};
+    for (const std::string& name : surface.names) add_columns(columns, name);
+    if (phases.size() > 1)
+        for (const std::string& name : surface.names)
+            for (const std::string& phase : phases) add_columns(columns, name + "." + phase);
+    return columns;
+}
+
+std::vector<std::string> force_notes() {
+    return {
+        "contact forces on the coupled surfaces, one column set per surface and per "
+        "surface.phase",
+        "f: force at t; m: moment about the origin; j: impulse from the start to t + dt/2, "
+        "sum of f (dt_before + dt)/2 over all steps, so that nothing is lost between rows"};
+}
+
+std::vector<std::string> patch_notes(const std::vector<PressurePatch>& patches) {
+    std::vector<std::string> notes{
+        "mean contact pressure: sum of the normal contact forces whose contact point lies in the "
+        "patch's box, over its area"};
+    for (const PressurePatch& patch : patches)
+        notes.push_back(patch.name + ": area " + number(patch.area) + " m2, " +
+                        (patch.window > 0 ? "moving mean over the last " + number(patch.window) +
+                                                " s, sampled at every step"
+                                          : "unfiltered, the value of the step at t"));
+    return notes;
+}
+
+std::vector<std::string> patch_columns(const std::vector<PressurePatch>& patches) {
+    std::vector<std::string> columns{"t [s]"};
+    for (const PressurePatch& patch : patches) columns.push_back(patch.name + " [Pa]");
+    return columns;
+}
+
+bool contains(const Box& box, const Vec& x) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (x[axis] < box.min[axis] || x[axis] > box.max[axis]) return false;
+    return true;
+}
+
+}  // namespace
+
+Recorder::Recorder(const std::string& folder, const Case& input, const JointSurface& surface,
+                   const std::vector<std::string>& phases)
+    : names_(surface.names),
+      phases_(phases.size()),
+      group_(surface.group),
+      total_(surface.names.size()),
+      of_phase_(phases.size() > 1 ? surface.names.size() * phases.size() : 0),
+      every_(history_interval(input)),
+      forces_(folder + "/forces.csv", force_notes(), force_columns(surface, phases)),
+      energy_(
+          folder + "/energy.interface.csv",
+          {"work done by contact since the start, energy stored and lost at the interface",
+           "residual = work_particles + work_surface + penalty + damping + friction + relaxation",
+           "booked to t - dt_before/2: the last step is booked when its velocities arrive"},
+          {"t [s]", "work_particles [J]", "work_surface [J]", "penalty [J]", "damping [J]",
+           "friction [J]", "relaxation [J]", "residual [J]", "contacts", "deepest [l0]"}) {
+    for (const PressurePatch& patch : input.coupling.patch)
+        patch_.push_back({patch, MovingMean(patch.window)});
+    if (!patch_.empty())
+        patches_.emplace(folder + "/patches.csv", patch_notes(input.coupling.patch),
+                         patch_columns(input.coupling.patch));
+}
+
+void Recorder::record(const RecordedStep& step, const contact::PenaltyContact& contact,
+                      const std::vector<std::uint32_t>& phase) {
+    const double kick = contact.kick();
+    for (std::vector<Load>* loads : {&total_, &of_phase_})
+        for (Load& load : *loads) load.force = load.moment = Vec::Zero();
+    for (const Contact& c : contact.contacts()) {
+        const Vec force = -c.force, moment = c.point.cross(force);
+        const std::size_t surface = std::size_t(group_[c.facet]);
+        const auto add = [&](Load& load) {
+            load.force += force;
+            load.moment += moment;
+            load.impulse += kick * force;
+        };
+        add(total_[surface]);
+        if (!of_phase_.empty()) add(of_phase_[surface * phases_ + phase[c.particle]]);
+        deepest_ = std::max(deepest_, c.depth / contact.radius(c.particle));
+    }
+    for (Patch& p : patch_) {
+        double force = 0;
+        for (const Contact& c : contact.contacts())
+            if (contains(p.patch.box, c.point)) force += c.normal_force;
+        p.mean.add(step.t + 0.5 * step.dt, kick, force / p.patch.area);
+    }
+    if (!contact.contacts().empty()) contact_time_ += step.dt;
+    most_contacts_ = std::max(most_contacts_, contact.contacts().size());
+    last_ = step;
+    // Times of rows are multiples computed afresh; a step longer than the interval gets one row.
+    if (step.t < double(next_row_) * every_ * (1 - 1e-12)) return;
+    next_row_ = std::int64_t(std::floor(step.t / every_ * (1 + 1e-12))) + 1;
+    write_row(step.t, step.dt, contact);
+}
+
+void Recorder::write_row(double t, double dt, const contact::PenaltyContact& contact) {
+    row_t_ = t;
+    row_.assign({t, dt});
+    for (const std::vector<Load>* loads : {&total_, &of_phase_})
+        for (const Load& load : *loads)
+            for (const Vec* vector : {&load.force, &load.moment, &load.impulse})
+                row_.insert(row_.end(), vector->begin(), vector->end());
+    forces_.row(row_);
+
+    const contact::InterfaceEnergy& e = contact.energy();
+    double deepest = 0;
+    for (const Contact& c : contact.contacts())
+        deepest = std::max(deepest, c.depth / contact.radius(c.particle));
+    row_.assign({t, e.work_particles, e.work_surface, e.penalty, e.damping, e.friction,
+                 e.relaxation, e.residual(), double(contact.contacts().size()), deepest});
+    energy_.row(row_);
+
+    if (!patches_) return;
+    row_.assign({t});
+    for (const Patch& patch : patch_) row_.push_back(patch.mean.mean());
+    patches_->row(row_);
+}
+
+void Recorder::finish(const contact::PenaltyContact& contact) {
+    if (last_.dt > 0 && row_t_ < last_.t) write_row(last_.t, last_.dt, contact);
+    flush();
+}
+
+void Recorder::flush() {
+    forces_.flush();
+    energy_.flush();
+    if (patches_) patches_->flush();
+}
+
+double Recorder::total_force() const {
+    Vec sum = Vec::Zero();
+    for (const Load& load : total_) sum += load.force;
+    return sum.norm();
+}
+
+}  // namespace undertow::coupler
