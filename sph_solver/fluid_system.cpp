@@ -14,8 +14,6 @@ namespace undertow::sph {
 
 namespace {
 
-// Flat optimum of list length against rebuild frequency lies at 0.1 to 0.2 dx.
-constexpr double skin_over_spacing = 0.2;
 
 PairPhysics resolve_physics(const Case& input) {
     PairPhysics p;
@@ -36,7 +34,7 @@ double kernel_value(const PairPhysics& p, double r) {
 
 }  // namespace
 
-FluidSystem::FluidSystem(const Case& input)
+FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     : physics_(resolve_physics(input)),
       spacing_(input.sph.spacing),
       mirror_(input.sph.plane),
@@ -74,11 +72,11 @@ bool FluidSystem::refresh_neighbors(double t) {
 
 void FluidSystem::pack(double t) {
     pack_fluid();
-    if (plates.size() > 0) {
-        plates.move_to(t);
-        extrapolate_to_plates(t);
-    }
-    pack_extras(t);
+    pack_extras(false);
+    if (plates.size() == 0) return;
+    plates.move_to(t);
+    extrapolate_to_plates(t);   // sees the fluid and its images
+    pack_extras(true);
 }
 
 void FluidSystem::pack_fluid() {
@@ -104,7 +102,7 @@ void FluidSystem::pack_fluid() {
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
 /// p' = p + rho0 g . (x' - x), so that the wall carries the weight above it without an inflow.
-void FluidSystem::pack_extras(double) {
+void FluidSystem::pack_extras(bool of_plates) {
     const FixedPoint fixed = neighbors_.fixed();
     const FluidLaw& fluid = physics_.fluid;
     const double mass = fluid.rho0 * fluid.volume;
@@ -117,6 +115,7 @@ void FluidSystem::pack_extras(double) {
     for (int e = 0; e < n; ++e) {
         const int s = extras[e].source;
         const bool plate = extras[e].from_plate;
+        if (plate != of_plates) continue;
         const double x = plate ? plates.x[s] : particles.x[s];
         const double y = plate ? plates.y[s] : particles.y[s];
         const double z = plate ? plates.z[s] : particles.z[s];

@@ -1,6 +1,7 @@
 #pragma once
 // The state of the fluid: a structure of arrays, sorted along columns at each list rebuild.
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -49,11 +50,9 @@ struct FixedPoint {
     double x0 = 0, y0 = 0, z0 = 0;   // [m]
 
     std::int32_t operator()(double a, double a0) const {
-        return static_cast<std::int32_t>(static_cast<std::int64_t>((a - a0) * inverse + bias) -
-                                         static_cast<std::int64_t>(bias));
+        return static_cast<std::int32_t>(std::lrint((a - a0) * inverse));
     }
     double inverse = 1;     // [1/m]
-    static constexpr double bias = 4294967296.0;   // makes the truncation a rounding downwards
 };
 
 }  // namespace undertow::sph

@@ -64,8 +64,8 @@ int run(const Case& input, const SolverOptions& options) {
     if (options.threads > 0) omp_set_num_threads(options.threads);
     const int threads = omp_get_max_threads();
 
-    FluidSystem fluid(input);
     const bool two_pass = choose_two_pass(input, alone);
+    FluidSystem fluid(input, two_pass ? 0.4 : 0.2);
     const double cfl = input.sph.cfl > 0
                            ? input.sph.cfl
                            : default_cfl(two_pass ? Integrator::two_pass : Integrator::one_pass,

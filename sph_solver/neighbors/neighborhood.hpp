@@ -69,10 +69,9 @@ class Neighborhood {
     int fluid_count_ = 0;
     std::vector<Extra> extras_, unsorted_extras_;
     std::vector<Packed> records_, plate_records_;
-    std::vector<int> fluid_start_, extra_start_, image_start_, order_, plate_targets_;
+    std::vector<int> fluid_start_, extra_start_, order_, plate_targets_;
     std::vector<std::int64_t> cell_;
     std::vector<double> scratch_;
-    std::vector<float> scratch_float_;
     std::vector<std::int64_t> scratch_id_;
     std::vector<std::uint8_t> scratch_byte_;
     std::vector<PlaneMask> masks_;

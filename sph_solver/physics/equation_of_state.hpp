@@ -14,7 +14,9 @@ struct MieGrueneisen {
     double gamma0;   // [-]
 
     double operator()(double drho, double energy) const {
-        const double eta = drho / (rho0 + drho), d = 1 - s * eta;
+        const double eta = drho / (rho0 + drho);
+        if (s == 0 && gamma0 == 0) return rho0 * c0 * c0 * eta;   // the usual water
+        const double d = 1 - s * eta;
         return rho0 * c0 * c0 * eta / (d * d) * (1 - 0.5 * gamma0 * eta) + gamma0 * rho0 * energy;
     }
 };
