@@ -60,7 +60,8 @@ Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message
     : context_(1),
       socket_(context_, end == End::solver ? zmq::socket_type::dealer : zmq::socket_type::router),
       monitor_(context_, zmq::socket_type::pair),
-      end_(end) {
+      end_(end),
+      max_message_(max_message) {
     keep_large_blocks();
     socket_.set(zmq::sockopt::linger, 0);
     socket_.set(zmq::sockopt::sndhwm, high_water_mark);
@@ -139,6 +140,13 @@ bool Channel::send_frame(zmq::message_t& frame, bool more, double seconds, Sent&
 Sent Channel::send(Message&& message, std::string_view receiver, double seconds) {
     encode(message, frames_);
     std::size_t bytes = frames_.header.size();
+    for (std::size_t i = 0; i < frames_.n_arrays; ++i) {
+        if (frames_.arrays[i].size() <= max_message_) continue;
+        throw PeerError("E_SHAPE", label(message) + " has an array of " +
+                                       std::to_string(frames_.arrays[i].size()) +
+                                       " bytes; the other end takes " +
+                                       std::to_string(max_message_));
+    }
 
     // From here on the arrays belong to the frames: either as copies or together with the message.
     const bool move_arrays = frames_.array_bytes() >= copy_below;

@@ -43,11 +43,15 @@ class Channel {
 
     const std::string& endpoint() const { return endpoint_; }  // as bound: a port 0 is resolved
 
+    /// Largest frame the other end takes [byte].
+    void limit_frames(std::uint64_t max_message) { max_message_ = max_message; }
+
     /// How long the destructor may wait for unsent messages.
     void linger(double seconds);
 
     /// Sends to `receiver` (a routing id; empty at a solver). Large arrays are not copied: their
-    /// vectors move into the frames.
+    /// vectors move into the frames. Throws PeerError E_SHAPE when an array is larger than the
+    /// other end takes: sent, it would only break the connection.
     Sent send(Message&& message, std::string_view receiver, double seconds);
 
     /// Takes the next message if one is there; never waits. Frames beyond what any message has are
@@ -77,6 +81,7 @@ class Channel {
     zmq::socket_t monitor_;
     End end_;
     std::string endpoint_;
+    std::uint64_t max_message_;
     Frames frames_;  // of the message being sent
     std::vector<int> open_, broken_;
     std::uint64_t bytes_sent_ = 0, bytes_received_ = 0;

@@ -12,16 +12,15 @@
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
 #include "wire/mesh_check.hpp"
+#include "wire/seat.hpp"
 #include "wire/session.hpp"
 
 namespace undertow::wire {
 
 namespace {
 
-constexpr double finish_linger = 2.0;  // [s]
-constexpr double error_linger = 0.5;   // [s] for ERROR to leave; then the program ends anyway
-constexpr double stranger_patience =
-    0.2;  // [s] for a refusal to someone who is not part of the run
+constexpr double error_linger = 0.5;       // [s] for ERROR to leave; then the program ends anyway
+constexpr double stranger_patience = 0.2;  // [s] for a refusal to who is not part of the run
 
 std::uint64_t draw_session() {
     std::random_device device;
@@ -35,40 +34,6 @@ std::string in_seconds(double seconds) {
     std::snprintf(text, sizeof text, "%.3g s", seconds);
     return text;
 }
-
-std::string version_text(const std::array<int, 2>& version) {
-    return std::to_string(version[0]) + "." + std::to_string(version[1]);
-}
-
-bool is_name(const std::string& text) {
-    return !text.empty() && text.size() <= 64 &&
-           std::all_of(text.begin(), text.end(), [](unsigned char c) {
-               return (c < 0x80 && std::isalnum(c)) || c == '_' || c == '-' || c == '.';
-           });
-}
-
-/// One place of the run: a role that is expected, and the participant that fills it.
-struct Seat {
-    explicit Seat(const std::string& expected_role) : role(expected_role), session(expected_role) {}
-
-    std::string role;
-    Session session;
-    std::string name, software;  // empty name: nobody has come yet
-    std::string routing_id;
-    int connection = -1;
-    bool lost = false;
-    bool told = false;   // has got, or has sent, the error that ends the run
-    double silence = 0;  // [s] time listened without a word, while a message is due
-    std::vector<Mesh> meshes;
-
-    bool taken() const { return !name.empty(); }
-    bool waits_for_us() const {
-        return session.id() != 0 && session.phase() != Phase::closed && !is_due() && !lost;
-    }
-    bool is_due() const {  // the participant has to speak
-        return taken() && session.phase() != Phase::closed && session.turn() == Side::solver;
-    }
-};
 
 }  // namespace
 
@@ -271,43 +236,13 @@ struct Host::Impl {
             if (std::holds_alternative<Error>(stray)) return;
             return refuse("E_STATE", label(stray) + " came without a HELLO");
         }
-        if (hello->protocol != protocol_name) {
-            return refuse("E_VERSION", "this coupler speaks the protocol '" +
-                                           std::string(protocol_name) + "', not '" +
-                                           hello->protocol + "'");
-        }
-        if (hello->version[0] != version_major) {
-            return refuse("E_VERSION", "this coupler speaks protocol " +
-                                           version_text(options.welcome.version) + ", " +
-                                           hello->name + " speaks " + version_text(hello->version));
-        }
-        if (!is_name(hello->name)) {
-            return refuse("E_INPUT",
-                          "a participant's name is 1 to 64 letters, digits, '_', '-', '.'");
-        }
-        if (hello->units != "SI") {
-            return refuse("E_INPUT", "units '" + hello->units + "' are not spoken here; use SI");
-        }
-        for (const Seat& seat : seats) {
-            if (seat.name == hello->name) {
-                return refuse("E_NAME_TAKEN", "a participant named '" + hello->name +
-                                                  "' has joined already; choose another name");
-            }
-        }
         look_for_lost();  // so that is_open() below knows all events before this HELLO
-        const auto free = std::find_if(seats.begin(), seats.end(), [&](const Seat& seat) {
-            return !seat.taken() && seat.role == hello->role;
-        });
-        if (free != seats.end()) {
-            if (channel.is_open(packet.connection)) take_seat(*free, *hello);
-            return;
-        }
-        const bool known = std::any_of(seats.begin(), seats.end(),
-                                       [&](const Seat& seat) { return seat.role == hello->role; });
-        if (known)
-            refuse("E_LATE", "every place for role '" + hello->role + "' is taken");
-        else
-            refuse("E_INPUT", "role '" + hello->role + "' is not part of this run");
+        Refusal why;
+        Seat* seat = find_seat_for(*hello, seats, why);
+        if (!seat)
+            refuse(why.code, why.text);
+        else if (channel.is_open(packet.connection))
+            take_seat(*seat, *hello);
     }
 
     void take_seat(Seat& seat, const Hello& hello) {

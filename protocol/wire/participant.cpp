@@ -169,6 +169,7 @@ struct Participant::Impl {
         }
         take(std::max(options.join_timeout - seconds_since(start), 0.1), "WELCOME");
         welcome = std::get<Welcome>(incoming);
+        channel.limit_frames(welcome.max_message);
         if (welcome.version[0] != version_major) {
             fail("E_VERSION", "the coupler speaks protocol " + std::to_string(welcome.version[0]) +
                                   "." + std::to_string(welcome.version[1]) + ", this program " +

@@ -41,6 +41,7 @@ struct RawCoupler : RawPeer {
         welcome.session = 77;
         welcome.version[0] = major;
         welcome.deadline = deadline;
+        welcome.max_message = default_max_message;
         send(welcome);
     }
     void until_first_state(double deadline = 5) {
@@ -220,6 +221,18 @@ TEST_CASE("this program's own mistakes are found before they are sent") {
     CHECK_THROWS_AS(link.say_goodbye(0), std::logic_error);
     link.report_error("E_PHYSICS", "as main does");
     CHECK(partner.get() == "E_PHYSICS");
+}
+
+TEST_CASE("an array larger than the coupler takes is refused here, not by a broken connection") {
+    TemporaryFolder folder;
+    HostOptions options = host_options(folder.endpoint(), {"surface"});
+    options.welcome.max_message = 95;  // x of square_mesh() has 96 bytes
+    Host host(options);
+    auto solver = std::async(std::launch::async, run_solver, folder.endpoint());
+    host.wait_join();
+    const Failure failure = solver.get();
+    CHECK(failure.code == "E_SHAPE");
+    CHECK(failure.text == "MESH has an array of 96 bytes; the other end takes 95");
 }
 
 TEST_CASE("a mesh that changed on its way is refused") {
