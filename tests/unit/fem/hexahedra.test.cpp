@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "fem_solver/elements/coloring.hpp"
 #include "fem_solver/physics/largest_frequency.hpp"
 #include "fem_solver/setup/block_mesh.hpp"
 #include "support.hpp"
@@ -117,6 +118,31 @@ TEST_CASE("the scheme is stable just below the largest frequency's limit and not
     if (factor == 0.9)
         WARN("largest frequency over the elements' bound: "
              << found.omega / s.omega_bound() << " in " << found.iterations << " iterations");
+}
+
+TEST_CASE("no two groups of a color share a node, and every group has a color") {
+    std::vector<std::vector<std::int32_t>> groups(60);
+    std::uint32_t state = 5;
+    for (auto& group : groups)
+        for (int k = 0; k < 7; ++k) {
+            state = state * 1664525u + 1013904223u;
+            group.push_back(std::int32_t(state >> 8) % 90);
+        }
+    const Coloring coloring = color_by_nodes(groups, 90);
+    CHECK(coloring.order.size() == groups.size());
+    std::vector<bool> seen(groups.size(), false);
+    for (std::size_t c = 0; c + 1 < coloring.begin.size(); ++c) {
+        std::vector<int> owner(90, -1);
+        for (std::int32_t i = coloring.begin[c]; i < coloring.begin[c + 1]; ++i) {
+            const std::int32_t g = coloring.order[i];
+            CHECK_FALSE(seen[g]);
+            seen[g] = true;
+            for (std::int32_t n : groups[g]) {
+                CHECK((owner[n] == -1 || owner[n] == g));
+                owner[n] = g;
+            }
+        }
+    }
 }
 
 TEST_CASE("one and two threads give the same bits") {

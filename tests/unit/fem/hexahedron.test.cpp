@@ -154,6 +154,29 @@ TEST_CASE("hourglass displacements meet the stiffness of beam theory at any aspe
         CHECK(e.f[0][n] == Approx(expected * corner[n][0] * corner[n][2]).epsilon(1e-9));
 }
 
+TEST_CASE("torsion and warping displacements meet the stiffness of their strain energy") {
+    // u_x = q eta zeta: shears u_x,y and u_x,z, energy 1/2 mu V/3 (4 q^2/b^2 + 4 q^2/c^2);
+    // u_x = q xi eta zeta: 1/2 E V/9 4 q^2/a^2. A nodal force is an eighth of the derivative by q.
+    const double E = 2e9, nu = 0.3, mu = E / (2 * (1 + nu)), q = 1e-9;
+    const Vec3 size{3, 1, 0.2};
+    const double volume = size[0] * size[1] * size[2];
+    OneElement twisted(size, 0, E, nu), warped(size, 0, E, nu);
+    for (int n = 0; n < 8; ++n) {
+        twisted.dx[0][n] = q * corner[n][1] * corner[n][2];
+        warped.dx[0][n] = q * corner[n][0] * corner[n][1] * corner[n][2];
+    }
+    twisted.step(1);
+    warped.step(1);
+    const double torsion =
+        4.0 / 3 * mu * volume * (1 / (size[1] * size[1]) + 1 / (size[2] * size[2])) * q / 8;
+    const double warping = 4.0 / 9 * E * volume / (size[0] * size[0]) * q / 8;
+    for (int n = 0; n < 8; ++n) {
+        CHECK(twisted.f[0][n] == Approx(torsion * corner[n][1] * corner[n][2]).epsilon(1e-9));
+        CHECK(warped.f[0][n] ==
+              Approx(warping * corner[n][0] * corner[n][1] * corner[n][2]).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("bulk viscosity resists both ways linearly, and compression by a square on top") {
     OneElement e({1, 1, 1}, 0);
     const double rate = GENERATE(10.0, -10.0), dt = 1e-6;  // [1/s] of one direction
