@@ -45,7 +45,7 @@ std::string line_text(const ProgressFigures& f, double particle_rate, double ele
     if (element_rate > 0) text += fmt::format("  {:.2f} M element-steps/s", element_rate / 1e6);
     if (!f.waiting.empty()) text += "  " + f.waiting;
     if (f.force >= 0) text += fmt::format("  F {:.3g} N", f.force);
-    return text + "  ETA " + duration_text(eta);
+    return eta > 0 ? text + "  ETA " + duration_text(eta) : text;
 }
 
 void write_status(const std::string& path, const char* state, const ProgressFigures& f,

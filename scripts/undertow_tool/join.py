@@ -5,7 +5,7 @@ from .history import read_history
 from .results_folder import read_json
 
 # What belongs to the run as a whole: taken from the coupler, or from the solver that ran alone.
-COMMON = ("steps", "t", "dt_min", "dt_mean", "dt_max", "limiter_percent", "reason", "ended")
+COMMON = ("steps", "t", "outputs", "dt_min", "dt_mean", "dt_max", "limiters", "finish", "ended")
 PARTS = {"sph": "sph", "fem": "fem", "coupler": "coupling"}
 
 
@@ -32,7 +32,7 @@ def join_summaries(out):
                 break
     joined.update({section: part for section, part in parts.items() if part})
     if all(parts.values()):
-        joined["coupling"].update(time_split(*(parts[name] for name in ("sph", "fem", "coupling"))))
+        joined["coupling"] |= time_split(*(parts[name] for name in ("sph", "fem", "coupling")))
     return joined
 
 

@@ -97,7 +97,7 @@ def comparison_table(summaries):
 
 
 def shares(limiters, most=4):
-    """{"sph: sound": 93.2, ...} as text, the largest first."""
+    """{"sph: sound": 0.932, ...} (fractions or counts) as text, the largest first."""
     total = sum(limiters.values()) or 1
     ordered = sorted(limiters.items(), key=lambda item: -item[1])
     text = ", ".join(f"{name} {100 * value / total:.0f} %" for name, value in ordered[:most] if value > 0)
@@ -112,7 +112,7 @@ def figures(summary):
         lines[0] += f", {number(summary['steps'])} steps"
     steps = [f"{name} {summary[key]:.3g} s" for name, key in (("mean", "dt_mean"), ("least", "dt_min"))
              if isinstance(summary.get(key), (int, float))]
-    limiters = summary.get("limiter_percent")
+    limiters = summary.get("limiters")
     if steps:
         lines.append("dt " + ", ".join(steps)
                      + (f"; limited by {shares(limiters)}" if isinstance(limiters, dict) and limiters else ""))
