@@ -31,6 +31,9 @@ TEST_CASE("the status file tells where a run stands and when it will end") {
     CHECK(running["eta_s"].get<double>() ==
           Approx(3 * running["wall_s"].get<double>()).epsilon(1e-6));
 
+    line.finish(figures);
+    CHECK(nlohmann::json::parse(read_back::text(path))["state"] == "interrupted");
+
     figures.t = 1;
     line.finish(figures);
     const auto finished = nlohmann::json::parse(read_back::text(path));
