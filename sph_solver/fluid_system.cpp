@@ -71,21 +71,26 @@ bool FluidSystem::refresh_neighbors(double t) {
 }
 
 void FluidSystem::pack(double t) {
-    pack_fluid();
-    pack_extras(false);
+#pragma omp parallel
+    {
+        pack_fluid();
+        pack_extras(false);   // needs the pressures just set
+    }
     if (plates.size() == 0) return;
     plates.move_to(t);
     extrapolate_to_plates(t);   // sees the fluid and its images
+#pragma omp parallel
     pack_extras(true);
 }
 
+/// To be called by all threads of a parallel region: each packs its share.
 void FluidSystem::pack_fluid() {
     const FixedPoint fixed = neighbors_.fixed();
     const FluidLaw& fluid = physics_.fluid;
     const double mass = fluid.rho0 * fluid.volume;
     Packed* records = neighbors_.records().data();
     const int n = static_cast<int>(particles.size());
-#pragma omp parallel for schedule(static)
+#pragma omp for schedule(static)
     for (int i = 0; i < n; ++i) {
         particles.p[i] = fluid.pressure(particles.drho[i], particles.energy[i]);
         Packed& q = records[i];
@@ -111,7 +116,7 @@ void FluidSystem::pack_extras(bool of_plates) {
     Packed* records = neighbors_.records().data() + neighbors_.first_extra();
     const std::vector<Extra>& extras = neighbors_.extras();
     const int n = static_cast<int>(extras.size());
-#pragma omp parallel for schedule(static)
+#pragma omp for schedule(static)
     for (int e = 0; e < n; ++e) {
         const int s = extras[e].source;
         const bool plate = extras[e].from_plate;
