@@ -9,9 +9,9 @@
 
 #include "wire/channel.hpp"
 #include "wire/codec.hpp"
+#include "wire/data_check.hpp"
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
-#include "wire/mesh_check.hpp"
 #include "wire/seat.hpp"
 #include "wire/session.hpp"
 
@@ -91,6 +91,10 @@ struct Host::Impl {
 
     void post(Seat& seat, Message&& message) {
         set_session(message, options.welcome.session);
+        if (std::holds_alternative<Checkpoint>(message) && !seat.can("checkpoint")) {
+            throw std::logic_error(seat.name +
+                                   " cannot write checkpoints: it lacks the capability");
+        }
         try {
             seat.session.follow(Side::coupler, message);
         } catch (const PeerError& error) {
@@ -148,6 +152,8 @@ struct Host::Impl {
                 fail(error->code, seat.name + ": " + error->text, seat.name);
             }
             seat.session.follow(Side::solver, message);
+            if (const auto* probe = std::get_if<Probe>(&message))
+                check_probe(*probe, seat.particles);
         } catch (const PeerError& error) {
             if (failed) throw;
             fail(error.code, seat.name + " sent a wrong message: " + error.what(), seat.name);
@@ -251,6 +257,10 @@ struct Host::Impl {
         seat.routing_id = packet.sender;
         seat.connection = packet.connection;
         Welcome welcome = options.welcome;
+        std::erase_if(welcome.capabilities, [&](const std::string& ours) {
+            return std::ranges::find(hello.capabilities, ours) == hello.capabilities.end();
+        });
+        seat.capabilities = welcome.capabilities;
         welcome.version[1] = std::min(version_minor, hello.version[1]);
         ++n_seated;
         seat.session.follow(Side::solver, hello);
@@ -278,6 +288,7 @@ struct Host::Impl {
         } catch (const PeerError& error) {
             fail(error.code, seat.name + ": " + error.what(), seat.name);
         }
+        if (seat.role == "particles") seat.particles = mesh;
         post(seat, MeshAck{0, mesh.mesh, mesh.revision, checksum(mesh)});
         seat.meshes.push_back(std::move(mesh));
     }
@@ -383,6 +394,10 @@ void Host::finish(std::int64_t n, const std::string& reason) {
 
 const std::string& Host::name(std::size_t participant) const {
     return impl_->seats.at(participant).name;
+}
+
+bool Host::can(std::size_t participant, const std::string& capability) const {
+    return impl_->seats.at(participant).can(capability);
 }
 
 const std::string& Host::software(std::size_t participant) const {

@@ -23,15 +23,15 @@
 namespace undertow::wire {
 
 struct HostOptions {
-    std::string endpoint;            // "ipc:///dir/coupler.sock" (locked, dir is 0700) or "tcp://127.0.0.1:0"
+    std::string endpoint;  // "ipc:///dir/coupler.sock" (locked, dir is 0700) or "tcp://127.0.0.1:0"
     std::vector<std::string> expected_roles{"particles", "surface"};  // one participant for each
-    double join_timeout = 60;        // [s]
-    double deadline = 60;            // [s] longest silence of a participant
-    Welcome welcome;                 // session 0 = draw one; versions and capabilities filled in
+    double join_timeout = 60;                                         // [s]
+    double deadline = 60;  // [s] longest silence of a participant
+    Welcome welcome;       // session 0 = draw one; versions filled in; the capabilities are ours
 };
 
 struct Received {
-    std::size_t participant;         // index in order of expected_roles
+    std::size_t participant;  // index in order of expected_roles
     Message message;
 };
 
@@ -41,10 +41,10 @@ class Host {
     explicit Host(const HostOptions& options);
     ~Host();
 
-    const std::string& endpoint() const;   // as bound: a tcp port 0 is resolved
+    const std::string& endpoint() const;  // as bound: a tcp port 0 is resolved
 
-    /// Waits until every expected role has said HELLO and got WELCOME. A wrong version, a taken name
-    /// or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing.
+    /// Waits until every expected role has said HELLO and got WELCOME. A wrong version, a taken
+    /// name or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing.
     void wait_join();
 
     /// Waits for the meshes and answers MESH_ACK; result per participant. Particles announce one
@@ -53,12 +53,12 @@ class Host {
     /// (degenerate facets) are the caller's.
     std::vector<std::vector<Mesh>> wait_meshes();
 
-    /// Next valid message of a running step from any participant (STATE, PROBE, CHECKPOINT_ACK, BYE).
-    /// Session, step order, shapes and finiteness have been checked against the state machine.
-    /// PROGRESS restarts the deadline and is not returned. While one participant is slow, the others
-    /// get a PROGRESS every third of the deadline, so that only this side judges the slow one. Throws PeerError after having told all
-    /// other participants: E_TIMEOUT, E_PEER_LOST, E_MALFORMED, E_NONFINITE, E_SEQUENCE, a peer's
-    /// own ERROR, ...
+    /// Next valid message of a running step from any participant (STATE, PROBE, CHECKPOINT_ACK,
+    /// BYE). Session, step order, shapes and finiteness have been checked against the state
+    /// machine. PROGRESS restarts the deadline and is not returned. While one participant is slow,
+    /// the others get a PROGRESS every third of the deadline, so that only this side judges the
+    /// slow one. Throws PeerError after having told all other participants: E_TIMEOUT, E_PEER_LOST,
+    /// E_MALFORMED, E_NONFINITE, E_SEQUENCE, a peer's own ERROR, ...
     Received next();
 
     /// Like next(), but returns false when `seconds` pass without a message. Reuses the vectors of
@@ -79,6 +79,8 @@ class Host {
 
     const std::string& name(std::size_t participant) const;
     const std::string& software(std::size_t participant) const;
+    /// Both this side (HostOptions::welcome) and the participant (HELLO) named the capability.
+    bool can(std::size_t participant, const std::string& capability) const;
     std::uint64_t bytes_sent() const;
     std::uint64_t bytes_received() const;
 

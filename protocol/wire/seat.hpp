@@ -1,6 +1,7 @@
 #pragma once
 // A place of the run at the coupler, and who may take it.
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,14 @@ struct Seat {
     bool lost = false;
     bool told = false;   // has got, or has sent, the error that ends the run
     double silence = 0;  // [s] time listened without a word, while a message is due
+    std::vector<std::string> capabilities;  // both sides have
     std::vector<Mesh> meshes;
+    Mesh particles;  // the mesh of role "particles", against which a PROBE is checked
 
     bool taken() const { return !name.empty(); }
+    bool can(const std::string& capability) const {
+        return std::ranges::find(capabilities, capability) != capabilities.end();
+    }
     bool waits_for_us() const {
         return session.id() != 0 && session.phase() != Phase::closed && !is_due() && !lost;
     }

@@ -120,6 +120,24 @@ TEST_CASE("a wrong message ends the run: culprit and bystander get the cause") {
         run.a.send(probe);
         check_failure(run, "E_SHAPE");
     }
+    SECTION("a particle without mass") {
+        Probe probe = run.stamped(probe_of(0, 0, 2));
+        probe.mass[1] = 0;
+        run.a.send(probe);
+        check_failure(run, "E_NONFINITE");
+    }
+    SECTION("a particle larger than announced") {
+        Probe probe = run.stamped(probe_of(0, 0, 2));
+        probe.radius[1] = 0.00501;
+        run.a.send(probe);
+        check_failure(run, "E_MESH");
+    }
+    SECTION("a phase that was not announced") {
+        Probe probe = run.stamped(probe_of(0, 0, 2));
+        probe.phase[1] = 1;
+        run.a.send(probe);
+        check_failure(run, "E_MESH");
+    }
     SECTION("a skipped step") {
         run.a.send(run.stamped(probe_of(1, 0, 2)));
         check_failure(run, "E_SEQUENCE");
@@ -367,6 +385,22 @@ TEST_CASE("an unusable mesh is refused with facet, node or group") {
     }
 }
 
+TEST_CASE("capabilities are those both sides have") {
+    TemporaryFolder folder;
+    HostOptions options = host_options(folder.endpoint(), {"surface"});
+    options.welcome.capabilities = {"checkpoint", "other"};
+    Host host(options);
+    RawPeer fem(Channel::End::solver, folder.endpoint());
+    Hello hello = hello_of("fem", "surface");
+    hello.capabilities = {"future", "checkpoint"};
+    fem.send(hello);
+    host.wait_join();
+    CHECK(fem.expect<Welcome>().capabilities == std::vector<std::string>{"checkpoint"});
+    CHECK(host.can(0, "checkpoint"));
+    CHECK_FALSE(host.can(0, "other"));
+    CHECK_FALSE(host.can(0, "future"));
+}
+
 TEST_CASE("the coupler's own mistakes are found before they are sent") {
     RunningPair run;
     CHECK_THROWS_AS(run.host.send(0, force_of(0, 0, 0.5, 0)), std::logic_error);
@@ -375,6 +409,7 @@ TEST_CASE("the coupler's own mistakes are found before they are sent") {
     for (int i = 0; i < 2; ++i) run.host.next();
     CHECK_THROWS_AS(run.host.next(), std::logic_error);  // everybody waits for an answer
     CHECK_THROWS_AS(run.host.send(0, Active{0, 0, {7}}), std::logic_error);
+    CHECK_THROWS_AS(run.host.send(0, Checkpoint{0, 0, "k"}), std::logic_error);  // no capability
 }
 
 TEST_CASE("a chattering solver does not starve the other") {

@@ -1,6 +1,8 @@
 // Two solvers and a coupler, each in its thread, run a short session over a real socket.
 
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
 #include <future>
 
 #include "peers.hpp"
@@ -65,6 +67,23 @@ SolverRecord run_particle_solver(const std::string& endpoint) {
         probe = (reply.force->flags & force_probe) != 0;
         record.times.push_back(t);
         record.rows.push_back(reply.force->f.size() / 3);
+    }
+}
+
+/// 2000 nodes, nothing recorded.
+void run_surface_solver_quietly(const std::string& endpoint) {
+    Participant link(surface_options(endpoint));
+    Mesh mesh = square_mesh();
+    mesh.x.resize(6000);
+    mesh.mass.resize(2000, 1);
+    link.announce(std::move(mesh));
+    double t = 0;
+    StepReply reply;
+    for (std::int64_t n = 0;; ++n) {
+        link.send(state_of(n, t, 2000));
+        link.wait_reply(reply);
+        if (reply.finish) return link.say_goodbye(n);
+        t = reply.force->t1;
     }
 }
 
@@ -141,4 +160,40 @@ TEST_CASE("a full session: two peers advance by the smaller step and end in good
     CHECK(sph.rows[6] == 1);
     CHECK(host.name(0) == "sph");
     CHECK(host.bytes_sent() > 0);
+}
+
+TEST_CASE("200000 steps neither grow the memory nor open files", "[.][soak]") {
+    // Resident pages and descriptors of this process, which holds both ends.
+    const auto resident = [] {
+        std::ifstream file("/proc/self/statm");
+        long total = 0, pages = 0;
+        file >> total >> pages;
+        return pages * 4096;
+    };
+    const auto descriptors = [] {
+        return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+    };
+    const TemporaryFolder folder;
+    Host host(host_options(folder.endpoint(), {"surface"}));
+    auto solver = std::async(std::launch::async, run_surface_solver_quietly, folder.endpoint());
+    host.wait_join();
+    host.wait_meshes();
+    long resident_before = 0, descriptors_before = 0;
+    double t = 0;
+    Received received;
+    for (std::int64_t n = 0;; ++n) {
+        while (!host.next_within(1, received)) {
+        }
+        if (n == 1000) {
+            resident_before = resident();
+            descriptors_before = descriptors();
+        }
+        if (n == 200000) break;
+        host.send(0, force_of(n, t, 1e-6, 2000));
+        t = t + 1e-6;
+    }
+    CHECK(resident() - resident_before < 1 << 20);
+    CHECK(descriptors() == descriptors_before);
+    host.finish(200000, "done");
+    solver.get();
 }

@@ -1,4 +1,4 @@
-#include "wire/mesh_check.hpp"
+#include "wire/data_check.hpp"
 
 #include "wire/errors.hpp"
 
@@ -73,6 +73,30 @@ void check_mesh(const Mesh& mesh, const std::string& role) {
         check_particles(mesh);
     else
         check_surface(mesh);
+}
+
+void check_probe(const Probe& probe, const Mesh& mesh) {
+    const double largest_radius = mesh.radius * (1 + 1e-9);  // both may be rounded differently
+    for (std::size_t i = 0; i < probe.id.size(); ++i) {
+        const auto refuse = [&](const char* code, const std::string& what) {
+            throw PeerError(code, "PROBE(" + std::to_string(probe.n) + "): particle " +
+                                      std::to_string(probe.id[i]) + " has the " + what);
+        };
+        if (!(probe.mass[i] > 0)) refuse("E_NONFINITE", "mass " + number(probe.mass[i]) + " kg");
+        if (!(probe.radius[i] > 0))
+            refuse("E_NONFINITE", "radius " + number(probe.radius[i]) + " m");
+        if (!(probe.stiffness[i] >= 0)) {
+            refuse("E_NONFINITE", "stiffness " + number(probe.stiffness[i]) + " N/m");
+        }
+        if (probe.radius[i] > largest_radius) {
+            refuse("E_MESH", "radius " + number(probe.radius[i]) + " m; MESH announced at most " +
+                                 number(mesh.radius));
+        }
+        if (probe.phase[i] >= mesh.groups.size()) {
+            refuse("E_MESH", "phase " + std::to_string(probe.phase[i]) + "; MESH announced " +
+                                 std::to_string(mesh.groups.size()) + " groups");
+        }
+    }
 }
 
 }  // namespace undertow::wire
