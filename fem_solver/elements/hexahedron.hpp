@@ -103,6 +103,130 @@ UNDERTOW_KERNEL T eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass
     return (lambda * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
 }
 
+/// Displacement gradient of the step with respect to its end, G_ij = dx_iI b_jI / V.
+template <class T>
+UNDERTOW_KERNEL void displacement_gradient(const Modes<T> (&dx)[3], const T (&C)[6][3],
+                                           const T& inverse_D, T (&G)[3][3]) {
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j)
+            G[i][j] = inverse_D * ((dx[i].linear[0] * C[0][j] + dx[i].linear[1] * C[1][j] +
+                                    dx[i].linear[2] * C[2][j]) +
+                                   (dx[i].hourglass[0] * C[3][j] + dx[i].hourglass[1] * C[4][j] +
+                                    dx[i].hourglass[2] * C[5][j]));
+}
+
+template <class T>
+UNDERTOW_KERNEL Symmetric<T> symmetric_part(const T (&L)[3][3]) {
+    return {L[0][0],
+            L[1][1],
+            L[2][2],
+            0.5 * (L[0][1] + L[1][0]),
+            0.5 * (L[1][2] + L[2][1]),
+            0.5 * (L[2][0] + L[0][2])};
+}
+
+/// (a + b) : d_eps
+template <class T>
+UNDERTOW_KERNEL T work_of_sum(const Symmetric<T>& a, const Symmetric<T>& b,
+                              const Symmetric<T>& d_eps) {
+    return ((a.xx + b.xx) * d_eps.xx + (a.yy + b.yy) * d_eps.yy + (a.zz + b.zz) * d_eps.zz) +
+           2.0 * ((a.xy + b.xy) * d_eps.xy + (a.yz + b.yz) * d_eps.yz + (a.zx + b.zx) * d_eps.zx);
+}
+
+/// q = rho ( b1 c l tr(D) - (b2 l tr(D))^2 when compressed )   [Pa], tension positive; `closing`
+/// = -l tr(D) [m/s]
+template <class T>
+UNDERTOW_KERNEL T bulk_viscosity(const HexahedronLaw& law, const T& density, const T& closing) {
+    const T squeeze = law.bulk_viscosity_quadratic * larger(closing, T(closing * 0.0));
+    return -density * (law.bulk_viscosity_linear * law.sound_speed * closing + squeeze * squeeze);
+}
+
+/// Hourglass displacements of the step without their linear part, on the element's axes at the
+/// midpoint: p_ka = X_k . (dH_a - L H_a)   [m2]
+template <class T>
+UNDERTOW_KERNEL void hourglass_displacements(const Modes<T> (&x)[3], const Modes<T> (&dx)[3],
+                                             const T (&L)[3][3], T (&p)[3][4]) {
+    T axis[3][3];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k)
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) axis[k][i] = x[i].linear[k] - 0.5 * dx[i].linear[k];
+#pragma GCC unroll 4
+    for (int a = 0; a < 4; ++a) {
+        T h[3], d[3];
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) h[i] = x[i].hourglass[a] - 0.5 * dx[i].hourglass[a];
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i)
+            d[i] = dx[i].hourglass[a] - (L[i][0] * h[0] + L[i][1] * h[1] + L[i][2] * h[2]);
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; ++k) p[k][a] = dot(axis[k], d);
+    }
+}
+
+/// Physical stabilization: the strains that vary linearly over the element, without the shear that
+/// bending modes would bring and without change of volume (plane stress across each bending plane),
+/// so that a beam one element deep bends right. Adds to Q, returns the work [J].
+///   [assumed strain: Belytschko and Bindeman 1993, Puso 2000; weights in docs/theory_fem.md]
+template <class T>
+UNDERTOW_KERNEL T update_hourglass(const HexahedronLaw& law, const T& volume_start, const T (&w)[3],
+                                   const T (&p)[3][4], T (&Q)[3][4]) {
+    const T bending = (law.bending_modulus / 3) * volume_start;
+    const T torsion = (law.mu / 3) * volume_start;
+    const T warping = (law.young_modulus / 9) * volume_start;
+    T dQ[3][4];
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const T e_ij = w[i] * p[i][j], e_ji = w[j] * p[j][i];
+        dQ[i][j] = bending * w[i] * (e_ij + law.poisson_ratio * e_ji);
+        dQ[j][i] = bending * w[j] * (e_ji + law.poisson_ratio * e_ij);
+        dQ[i][i] = torsion * w[i] * (w[j] * (p[i][i] + p[j][j]) + w[k] * (p[i][i] + p[k][k]));
+        dQ[i][3] = warping * w[i] * (w[i] * p[i][3]);
+    }
+    T work = 0.0 * volume_start;
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 4
+        for (int a = 0; a < 4; ++a) {
+            work += (Q[i][a] + 0.5 * dQ[i][a]) * p[i][a];
+            Q[i][a] += dQ[i][a];
+        }
+    return work;
+}
+
+/// Nodal forces. The power is V sigma:L + Q_a.(dH_a - L H_a), Q_a = sum_k X_k Q_ka, so the modal
+/// force is F_m = T C_m (+ Q_m) with T = sigma/64 - Q_a H_a^T / D.   [N]
+template <class T>
+UNDERTOW_KERNEL void nodal_forces(const Modes<T> (&x)[3], const T (&C)[6][3], const T& inverse_D,
+                                  const Symmetric<T>& s, const T (&Q)[3][4], T (&f)[3][8]) {
+    const T sigma[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        T hourglass[4], t[3];
+#pragma GCC unroll 4
+        for (int a = 0; a < 4; ++a)
+            hourglass[a] =
+                x[i].linear[0] * Q[0][a] + x[i].linear[1] * Q[1][a] + x[i].linear[2] * Q[2][a];
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j)
+            t[j] =
+                (1.0 / 64) * sigma[i][j] -
+                inverse_D * ((hourglass[0] * x[j].hourglass[0] + hourglass[1] * x[j].hourglass[1]) +
+                             (hourglass[2] * x[j].hourglass[2] + hourglass[3] * x[j].hourglass[3]));
+        Modes<T> force;
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; ++k) {
+            force.linear[k] = dot(t, C[k]);
+            force.hourglass[k] = dot(t, C[3 + k]) + hourglass[k];
+        }
+        force.hourglass[3] = hourglass[3];
+        from_modes(force, f[i]);
+    }
+}
+
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, f [N] internal forces at n.
 template <class T, class Material>
 UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
@@ -112,135 +236,40 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
                                      HexahedronReport<T>& report) {
     const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
     const Modes<T> dx[3] = {to_modes(dx_nodes[0]), to_modes(dx_nodes[1]), to_modes(dx_nodes[2])};
-
     T C[6][3], D;
     mean_gradient(x, C, D);
-    const T inverse_D = 1.0 / D;
-    const T volume = D * (1.0 / 64);  // [m3]
+    const T inverse_D = 1.0 / D, volume = D * (1.0 / 64);
+    const T volume_start = element.mass * law.inverse_density;
 
-    T G[3][3], L[3][3];  // displacement gradient of the step, end and midpoint
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; ++j)
-            G[i][j] = inverse_D * ((dx[i].linear[0] * C[0][j] + dx[i].linear[1] * C[1][j] +
-                                    dx[i].linear[2] * C[2][j]) +
-                                   (dx[i].hourglass[0] * C[3][j] + dx[i].hourglass[1] * C[4][j] +
-                                    dx[i].hourglass[2] * C[5][j]));
+    T G[3][3], L[3][3];
+    displacement_gradient(dx, C, inverse_D, G);
     to_midpoint(G, L);
-    const Symmetric<T> d_eps = {L[0][0],
-                                L[1][1],
-                                L[2][2],
-                                0.5 * (L[0][1] + L[1][0]),
-                                0.5 * (L[1][2] + L[2][1]),
-                                0.5 * (L[2][0] + L[0][2])};
+    const Symmetric<T> d_eps = symmetric_part(L);
     const T dilatation = d_eps.xx + d_eps.yy + d_eps.zz;
+    const T half_volume = 0.5 * volume * (1.0 - 0.5 * dilatation);  // of the midpoint
 
-    // stress, and its work by the trapezoidal rule at the midpoint's volume
     Symmetric<T> s = state.stress;
     rotate_with_spin(L, s);
-    Symmetric<T> twice_mean = s;
+    const Symmetric<T> before = s;
     material(s, d_eps, dt);
     state.stress = s;
-    const T half_volume = 0.5 * volume * (1.0 - 0.5 * dilatation);
-    report.strain_work =
-        half_volume *
-        (((twice_mean.xx + s.xx) * d_eps.xx + (twice_mean.yy + s.yy) * d_eps.yy +
-          (twice_mean.zz + s.zz) * d_eps.zz) +
-         2.0 * ((twice_mean.xy + s.xy) * d_eps.xy + (twice_mean.yz + s.yz) * d_eps.yz +
-                (twice_mean.zx + s.zx) * d_eps.zx));
+    report.strain_work = half_volume * work_of_sum(before, s, d_eps);
 
-    // bulk viscosity  q = rho ( b1 c l tr(D) - (b2 l tr(D))^2 when compressed )   [Pa]
     const double inverse_dt = dt > 0 ? 1 / dt : 0;  // dt = 0: the state at the start, at rest
     const T closing = -inverse_dt * (element.length * dilatation);
-    const T squeeze = law.bulk_viscosity_quadratic * larger(closing, T(closing * 0.0));
-    const T density = element.mass * 64.0 * inverse_D;
-    const T q =
-        -density * (law.bulk_viscosity_linear * law.sound_speed * closing + squeeze * squeeze);
+    const T q = bulk_viscosity(law, T(element.mass * 64.0 * inverse_D), closing);
     report.viscous_work = half_volume * (state.viscous + q) * dilatation;
     state.viscous = q;
 
-    // hourglass displacements without their linear part, projected on the axes at the midpoint
-    T p[3][4];  // [m2] p_ka = X_k . (dH_a - L H_a)
-    {
-        T axis[3][3];
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k)
-#pragma GCC unroll 3
-            for (int i = 0; i < 3; ++i) axis[k][i] = x[i].linear[k] - 0.5 * dx[i].linear[k];
-#pragma GCC unroll 4
-        for (int a = 0; a < 4; ++a) {
-            T h[3], d[3];
-#pragma GCC unroll 3
-            for (int i = 0; i < 3; ++i) h[i] = x[i].hourglass[a] - 0.5 * dx[i].hourglass[a];
-#pragma GCC unroll 3
-            for (int i = 0; i < 3; ++i)
-                d[i] = dx[i].hourglass[a] - (L[i][0] * h[0] + L[i][1] * h[1] + L[i][2] * h[2]);
-#pragma GCC unroll 3
-            for (int k = 0; k < 3; ++k) p[k][a] = dot(axis[k], d);
-        }
-    }
+    T p[3][4];
+    hourglass_displacements(x, dx, L, p);
+    report.hourglass_work =
+        update_hourglass(law, volume_start, element.axis_weight, p, state.hourglass);
 
-    // physical stabilization: linear strain fields with the shear of bending and the volume change
-    // left out (plane stress across each bending plane), so that a beam one element deep bends
-    // right
-    T(&Q)[3][4] = state.hourglass;
-    const T volume_start = element.mass * law.inverse_density;
-    const T* w = element.axis_weight;
-    T work = 0.0 * volume;
-    {
-        const T bending = (law.bending_modulus / 3) * volume_start;
-        const T torsion = (law.mu / 3) * volume_start;
-        const T warping = (law.young_modulus / 9) * volume_start;
-        T dQ[3][4];
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            const int j = (i + 1) % 3, k = (i + 2) % 3;
-            const T e_ij = w[i] * p[i][j], e_ji = w[j] * p[j][i];
-            dQ[i][j] = bending * w[i] * (e_ij + law.poisson_ratio * e_ji);
-            dQ[j][i] = bending * w[j] * (e_ji + law.poisson_ratio * e_ij);
-            dQ[i][i] = torsion * w[i] * (w[j] * (p[i][i] + p[j][j]) + w[k] * (p[i][i] + p[k][k]));
-            dQ[i][3] = warping * w[i] * (w[i] * p[i][3]);
-        }
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i)
-#pragma GCC unroll 4
-            for (int a = 0; a < 4; ++a) {
-                work += (Q[i][a] + 0.5 * dQ[i][a]) * p[i][a];
-                Q[i][a] += dQ[i][a];
-            }
-    }
-    report.hourglass_work = work;
-
-    // forces: power = V sigma:L + Q_a . (dH_a - L H_a), so
-    // F_m = T C_m + Q_m,  T = (sigma + q I)/64 - Q_a H_a^T / D
-    T hourglass_force[3][4];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-#pragma GCC unroll 4
-        for (int a = 0; a < 4; ++a)
-            hourglass_force[i][a] =
-                x[i].linear[0] * Q[0][a] + x[i].linear[1] * Q[1][a] + x[i].linear[2] * Q[2][a];
-    const T sigma[3][3] = {{s.xx + q, s.xy, s.zx}, {s.xy, s.yy + q, s.yz}, {s.zx, s.yz, s.zz + q}};
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-        T t[3];
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; ++j)
-            t[j] = (1.0 / 64) * sigma[i][j] -
-                   inverse_D * ((hourglass_force[i][0] * x[j].hourglass[0] +
-                                 hourglass_force[i][1] * x[j].hourglass[1]) +
-                                (hourglass_force[i][2] * x[j].hourglass[2] +
-                                 hourglass_force[i][3] * x[j].hourglass[3]));
-        Modes<T> force;
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) {
-            force.linear[k] = dot(t, C[k]);
-            force.hourglass[k] = dot(t, C[3 + k]) + hourglass_force[i][k];
-        }
-        force.hourglass[3] = hourglass_force[i][3];
-        from_modes(force, f[i]);
-    }
+    s.xx += q;
+    s.yy += q;
+    s.zz += q;
+    nodal_forces(x, C, inverse_D, s, state.hourglass, f);
 
     report.omega2 = eigenvalue_bound(C, D, element.mass, law.lambda, law.mu);
     report.relative_volume = volume / volume_start;
