@@ -47,7 +47,10 @@ void halve(const Surface& surface, const std::vector<Vec>& center, std::span<std
 
 std::vector<double> boxes_around(const Surface& surface, double range, std::size_t most) {
     std::vector<Vec> center(surface.facets());
-    for (std::uint32_t f = 0; f < center.size(); ++f) center[f] = surface.frame(f).center;
+    for (std::uint32_t f = 0; f < center.size(); ++f) {
+        const Corners c = surface.shape(f);
+        center[f] = 0.25 * (c.x[0] + c.x[1] + c.x[2] + c.x[3]);
+    }
     std::vector<std::uint32_t> facets(surface.facets());
     std::iota(facets.begin(), facets.end(), 0u);
     // Halving stops at or below the limit: groups end up between half of it and all of it.

@@ -9,7 +9,8 @@
 namespace undertow::contact {
 
 /// (B, 6) xmin ymin zmin xmax ymax zmax [m]: bounding boxes of groups of neighboring facets, each
-/// widened by `range` [m]. At most `most` boxes: halved along their longest side until small.
+/// widened by `range` [m] (needs positions only, no velocities). At most `most` boxes: halved along
+/// their longest side until small.
 std::vector<double> boxes_around(const Surface& surface, double range, std::size_t most = 64);
 
 }  // namespace undertow::contact

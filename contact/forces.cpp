@@ -168,10 +168,11 @@ void ForceLaw::sum(const Surface& surface, const std::vector<Contact>& contacts,
 double ForceLaw::momentum_residual() const {
     if (quantum_ == 0) return 0;
     std::array<std::int64_t, 3> total{};
-    for (std::size_t i = 0; i < particle_force_.size(); ++i)
-        total[i % 3] += std::llrint(particle_force_[i] / quantum_);
-    for (std::size_t i = 0; i < node_force_.size(); ++i)
-        total[i % 3] += std::llrint(node_force_[i] / quantum_);
+    const double per_quantum = 1 / quantum_;  // a power of two: every product is a whole number
+    for (std::span<const double> side : {on_particles(), on_nodes()})
+        for (std::size_t i = 0; i + 2 < side.size(); i += 3)
+            for (int axis = 0; axis < 3; ++axis)
+                total[axis] += static_cast<std::int64_t>(side[i + axis] * per_quantum);
     double residual = 0;
     for (std::int64_t sum : total) residual = std::max(residual, std::abs(double(sum)) * quantum_);
     return residual;

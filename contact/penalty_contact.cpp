@@ -1,7 +1,7 @@
 #include "contact/penalty_contact.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <bit>
 
 namespace undertow::contact {
 
@@ -13,21 +13,30 @@ Points PenaltyContact::active_points() const {
     return {x_, v_, mass_, radius_, stiffness_, id_};
 }
 
-/// Where the active points of the previous search are found among the points of
-/// this one.
+/// Where the active points of the previous search are found among the points of this one, and the
+/// other way round. A hash table of the former active ones: points arrive in any order, and sorting
+/// them all would cost more than the search.
 void PenaltyContact::map_rows(const Points& points) {
-    by_id_.resize(points.size());
-    std::iota(by_id_.begin(), by_id_.end(), 0u);
-    std::sort(by_id_.begin(), by_id_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return points.id[a] < points.id[b]; });
-    row_now_.resize(id_.size());
+    const int bits = std::max(4, int(std::bit_width(2 * id_.size())));
+    const auto slot_of = [&](std::uint64_t id) {
+        return std::size_t((id * 0x9E3779B97F4A7C15ull) >> (64 - bits));
+    };
+    const std::size_t mask = (std::size_t(1) << bits) - 1;
+    slot_.assign(mask + 1, -1);
     for (std::size_t i = 0; i < id_.size(); ++i) {
-        const auto found = std::lower_bound(
-            by_id_.begin(), by_id_.end(), id_[i],
-            [&](std::uint32_t row, std::uint64_t id) { return points.id[row] < id; });
-        row_now_[i] =
-            found != by_id_.end() && points.id[*found] == id_[i] ? std::int64_t(*found) : -1;
+        std::size_t slot = slot_of(id_[i]);
+        while (slot_[slot] >= 0) slot = (slot + 1) & mask;
+        slot_[slot] = std::int64_t(i);
     }
+    row_now_.assign(id_.size(), -1);
+    old_row_.assign(points.size(), -1);
+    for (std::size_t row = 0; row < points.size(); ++row)
+        for (std::size_t slot = slot_of(points.id[row]); slot_[slot] >= 0; slot = (slot + 1) & mask)
+            if (id_[slot_[slot]] == points.id[row]) {
+                old_row_[row] = slot_[slot];
+                row_now_[slot_[slot]] = std::int64_t(row);
+                break;
+            }
 }
 
 void PenaltyContact::rebuild(const Points& points, double skin, std::span<const double> x,
@@ -39,11 +48,6 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
     surface_.move(x, v);
     cells_.search(points, surface_, skin, candidates_);
 
-    // Former active row of each new one, through the rows of the search's points.
-    std::vector<std::int64_t> old_row_of_point(points.size(), -1);
-    for (std::size_t i = 0; i < row_now_.size(); ++i)
-        if (row_now_[i] >= 0) old_row_of_point[row_now_[i]] = std::int64_t(i);
-
     const std::size_t active = candidates_.row.size();
     std::vector<std::int64_t> old_row(active);
     x_rebuilt_.resize(3 * active);
@@ -54,7 +58,7 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
     id_.resize(active);
     for (std::size_t i = 0; i < active; ++i) {
         const std::uint32_t row = candidates_.row[i];
-        old_row[i] = old_row_of_point[row];
+        old_row[i] = old_row_[row];
         std::copy_n(&points.x[3 * std::size_t(row)], 3, &x_rebuilt_[3 * i]);
         std::copy_n(&points.v[3 * std::size_t(row)], 3, &v_rebuilt_[3 * i]);
         mass_[i] = points.mass[row];

@@ -68,10 +68,9 @@ class PenaltyContact {
     std::vector<double> x_rebuilt_, v_rebuilt_;      // copies of a rebuild's active rows
     std::vector<double> mass_, radius_, stiffness_;  // per active row
     std::vector<std::uint64_t> id_;
-    std::vector<std::uint32_t> by_id_;  // rows of the last search, sorted by id
 
-    // For booking the previous step after a rebuild: its rows in the new search's points.
-    std::vector<std::int64_t> row_now_;
+    // At a search: rows of the former active points among the searched ones, and back; -1 = none.
+    std::vector<std::int64_t> row_now_, old_row_, slot_;
     std::vector<double> v_searched_;  // [m/s] all points of the search
     bool rebuilt_ = false;
 

@@ -160,10 +160,8 @@ void Coupler::send_boxes() {
     message.range = budget_->box_range();
     message.x = started ? participants_.surface_state().x : joint_.x;
     message.quad = joint_.quad;
-    contact::Surface shape(joint_.quad, joint_.mass);
-    const std::vector<double> at_rest(message.x.size(), 0);
-    shape.move(message.x, at_rest);
-    message.boxes = contact::boxes_around(shape, message.range);
+    boxed_->move(message.x, {});
+    message.boxes = contact::boxes_around(*boxed_, message.range);
     budget_->boxes_sent(message.x);
     participants_.send_surface(std::move(message));
 }

@@ -51,6 +51,7 @@ class Coupler {
     StepAgreement agreement_;
 
     JointSurface joint_;
+    std::unique_ptr<contact::Surface> boxed_;  // where the boxes are drawn
     std::unique_ptr<contact::PenaltyContact> contact_;
     std::unique_ptr<SearchBudget> budget_;
     std::unique_ptr<Recorder> recorder_;

@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
     const double l0 = spacing / 2, skin = 0.3 * spacing, m = 1000 * spacing * spacing * spacing;
     std::vector<double> v(x.size(), 0), mass(band, m), radius(band, l0), stiffness(band, 1e6);
     std::vector<std::uint64_t> id(band);
-    for (std::size_t i = 0; i < band; ++i) id[i] = i;
+    for (std::size_t i = 0; i < band; ++i) id[i] = (i * 2654435761u) % 1000003;
     const Points points{x, v, mass, radius, stiffness, id};
 
     PenaltyContact contact(Surface(mesh.quad, mesh.mass), LawSettings{});
