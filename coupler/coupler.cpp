@@ -87,8 +87,8 @@ void Coupler::prepare() {
         log_info(participants_.name(role) + " (" + participants_.software(role) + ") has joined");
     joint_ = join_surfaces(participants_.surface_meshes());
     const wire::Mesh& particles = participants_.particle_mesh();
-    contact_ = std::make_unique<contact::PenaltyContact>(contact::Surface(joint_.quad, joint_.mass),
-                                                         law_of(input_.coupling));
+    boxed_ = std::make_unique<contact::Surface>(joint_.quad, joint_.mass);
+    contact_ = std::make_unique<contact::PenaltyContact>(*boxed_, law_of(input_.coupling));
     // The skin is given in spacings; a spacing is two radii.
     budget_ = std::make_unique<SearchBudget>(particles.radius,
                                              input_.coupling.skin * 2 * particles.radius);
