@@ -65,7 +65,7 @@ struct PlaneWall {                       // [[sph.plane]] infinite rigid wall, b
     std::string name;
     Vec3 point{};                        // [m]
     Vec3 normal{0, 0, 1};                // into the fluid
-    Slip slip = Slip::free_slip;         // "free", "no_slip"
+    Slip slip = Slip::free_slip;         // "free" (or "free_slip"), "no_slip"
 };
 
 struct PlateWall {                       // [[sph.plate]] rigid box of dummy particles, may move (gate)

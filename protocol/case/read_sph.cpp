@@ -11,8 +11,8 @@ namespace undertow {
 
 namespace {
 
-const std::vector<std::pair<std::string, Slip>> slip_names{{"free", Slip::free_slip},
-                                                           {"no_slip", Slip::no_slip}};
+const std::vector<std::pair<std::string, Slip>> slip_names{
+    {"free", Slip::free_slip}, {"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}};
 
 /// The axes in which a box has an extent that matters.
 std::string axes_of(const CaseInfo& info) {
