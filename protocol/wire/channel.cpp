@@ -120,8 +120,9 @@ bool Channel::send_frame(zmq::message_t& frame, bool more, double seconds, Sent&
         if (zmq_msg_send(frame.handle(), socket_.handle(), more ? ZMQ_SNDMORE : 0) >= 0)
             return true;
         const int error_number = zmq_errno();
-        if (error_number == EINTR) continue;  // Ctrl-C: the caller looks at its flag later
-        if (error_number != EAGAIN) {         // EHOSTUNREACH: the receiver is gone
+        // EINTR is a signal such as Ctrl-C, whose flag the caller looks at later; EAGAIN a full
+        // queue; anything else (EHOSTUNREACH) means that the receiver is gone.
+        if (error_number != EAGAIN && error_number != EINTR) {
             result = Sent::connection_lost;
             return false;
         }

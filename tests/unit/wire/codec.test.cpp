@@ -198,12 +198,14 @@ TEST_CASE("a shape whose size overflows 64 bits does not pass for an empty frame
         std::string(1, '\0') + "\x03";
     const std::size_t place = frames[0].find(shape);
     REQUIRE(place != std::string::npos);
-    // (2^61, 8) elements of 8 bytes are 2^67 bytes: 0 in 64 bits.
-    frames[0].replace(place, shape.size(),
-                      "\xa2"
-                      "f8"
-                      "\x92\xcf\x20" +
-                          std::string(7, '\0') + "\x08");
+    // (2^61, 3) elements of 8 bytes are 3 * 2^64 bytes: 0 in 64 bits.
+    const std::string huge =
+        "\xa2"
+        "f8"
+        "\x92\xcf\x20" +
+        std::string(7, '\0') + "\x03";
+    frames[0].replace(place, shape.size(), huge);
+    frames[0].replace(frames[0].find(shape), shape.size(), huge);  // v as well
     CHECK(code_of(frames) == "E_SHAPE");
 }
 

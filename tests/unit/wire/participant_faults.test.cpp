@@ -252,6 +252,31 @@ void ignore_signal(int) {}
 
 }  // namespace
 
+TEST_CASE("signals while the coupler is awaited do not end the wait") {
+    struct sigaction action {
+    }, before{};
+    action.sa_handler = ignore_signal;
+    sigaction(SIGALRM, &action, &before);
+    const itimerval often{{0, 200}, {0, 200}}, never{};
+    TemporaryFolder folder;
+    auto late = std::async(std::launch::async, [&] {
+        sigset_t alarm;  // the signals go to the thread of the participant
+        sigemptyset(&alarm);
+        sigaddset(&alarm, SIGALRM);
+        pthread_sigmask(SIG_BLOCK, &alarm, nullptr);
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        RawCoupler coupler(folder.endpoint());
+        coupler.until_first_state();
+        coupler.send(coupler.force());
+        CHECK_THROWS_AS(coupler.receive(0.2), std::runtime_error);
+    });
+    setitimer(ITIMER_REAL, &often, nullptr);
+    CHECK(run_solver(folder.endpoint()).text == "wait_reply() returned");
+    setitimer(ITIMER_REAL, &never, nullptr);
+    sigaction(SIGALRM, &before, nullptr);
+    late.get();
+}
+
 TEST_CASE("signals during waits and sends lose no message") {
     // A timer signal every 200 microseconds without SA_RESTART: system calls end with EINTR.
     struct sigaction action {
