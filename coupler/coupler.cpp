@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "contact/boxes.hpp"
 #include "results/log.hpp"
@@ -120,9 +121,14 @@ void Coupler::update_contact() {
     contact_->update(particles.x, particles.v, surface.x, surface.v);
     if (budget_->late() == 0 || late_reported_) return;
     late_reported_ = true;  // once is enough; the summary has the count
-    log_warning("step " + std::to_string(n_) +
-                ": particles moved farther than the search skin allows; a contact may have been "
-                "found one step late. Raise coupling.skin.");
+    char text[300];
+    std::snprintf(
+        text, sizeof text,
+        "step %lld, t = %.6g s: particles and surface have approached by up to %.3g m since "
+        "the last search, its skin allows %.3g m. A contact may have been found one step "
+        "late; raise coupling.skin.",
+        static_cast<long long>(n_), t_, budget_->used(), budget_->allowance());
+    log_warning(text);
 }
 
 void Coupler::search() {

@@ -1,11 +1,16 @@
 #include "coupler/participants.hpp"
 
 #include <chrono>
+#include <thread>
 #include <utility>
 
 namespace undertow::coupler {
 
 namespace {
+
+// libzmq drops what a connecting socket with ZMQ_IMMEDIATE has not read yet when the other end
+// hangs up: on a busy machine a participant would learn that the coupler vanished, but not why.
+constexpr auto time_to_read = std::chrono::milliseconds(300);
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -61,7 +66,9 @@ void Participants::receive() {
 
 StepOffer Participants::offer(Role role) const {
     return with_step(latest_[role], [&](const auto& step) {
-        return StepOffer{step.dt_limit, host_.name(role) + ": " + step.limiter};
+        const std::string owner = host_.name(role) + ": ";
+        return StepOffer{step.dt_limit,
+                         step.limiter.starts_with(owner) ? step.limiter : owner + step.limiter};
     });
 }
 
@@ -107,6 +114,7 @@ void Participants::finish(std::int64_t n, const std::string& reason) {
 
 void Participants::broadcast(const std::string& code, const std::string& text) noexcept {
     host_.broadcast_error(code, text, "coupler");
+    std::this_thread::sleep_for(time_to_read);
 }
 
 }  // namespace undertow::coupler

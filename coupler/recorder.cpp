@@ -47,8 +47,8 @@ std::vector<std::string> force_notes() {
 
 std::vector<std::string> patch_notes(const std::vector<PressurePatch>& patches) {
     std::vector<std::string> notes{
-        "mean contact pressure: sum of the normal contact forces whose contact point lies in the "
-        "patch's box, over its area"};
+        "mean contact pressure: sum of the normal contact forces over the patch's area, each with "
+        "the share of its particle's footprint (2 l0 wide) that lies in the patch's box"};
     for (const PressurePatch& patch : patches)
         notes.push_back(patch.name + ": area " + number(patch.area) + " m2, " +
                         (patch.window > 0 ? "moving mean over the last " + number(patch.window) +
@@ -63,10 +63,19 @@ std::vector<std::string> patch_columns(const std::vector<PressurePatch>& patches
     return columns;
 }
 
-bool contains(const Box& box, const Vec& x) {
-    for (int axis = 0; axis < 3; ++axis)
-        if (x[axis] < box.min[axis] || x[axis] > box.max[axis]) return false;
-    return true;
+/// Share of a contact's force that falls into the box. A particle presses on the square that it
+/// stands for, 2 l0 wide in the plane of contact: counted as points, a patch not much larger than
+/// the spacing would see a row of particles more or less with every small displacement.
+double share_in(const Box& box, const Contact& c, double l0) {
+    double share = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double half = l0 * std::sqrt(std::max(0.0, 1 - c.normal[axis] * c.normal[axis]));
+        const double low = std::max(box.min[axis], c.point[axis] - half);
+        const double high = std::min(box.max[axis], c.point[axis] + half);
+        if (high < low) return 0;
+        if (half > 1e-6 * l0) share *= (high - low) / (2 * half);
+    }
+    return share;
 }
 
 }  // namespace
@@ -114,7 +123,7 @@ void Recorder::record(const RecordedStep& step, const contact::PenaltyContact& c
     for (Patch& p : patch_) {
         double force = 0;
         for (const Contact& c : contact.contacts())
-            if (contains(p.patch.box, c.point)) force += c.normal_force;
+            force += c.normal_force * share_in(p.patch.box, c, contact.radius(c.particle));
         p.mean.add(step.t + 0.5 * step.dt, kick, force / p.patch.area);
     }
     if (!contact.contacts().empty()) contact_time_ += step.dt;

@@ -38,7 +38,9 @@ class SearchBudget {
     /// Must the step after the coming one, of length dt [s], begin with a search?
     bool due(double dt) const;
 
-    std::int64_t late() const { return late_; }  // steps at which the skin was overdrawn
+    double used() const { return used_; }            // [m] of approach since the search
+    double allowance() const { return allowance_; }  // [m] granted by it
+    std::int64_t late() const { return late_; }      // steps at which the skin was overdrawn
 
  private:
     double largest_radius_, skin_;

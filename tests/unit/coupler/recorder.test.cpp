@@ -49,7 +49,13 @@ TEST_CASE("rows lose nothing: impulse, phases, patches and moments of a pressed 
     patch.name = "P1";
     patch.box = {{0, 0, -1}, {0.5, 1, 1}};  // holds the first particle only
     patch.area = 0.5;
-    input.coupling.patch = {patch};
+    PressurePatch edge = patch;  // its edge cuts a quarter off the first particle's footprint
+    edge.name = "P2";
+    edge.box.max[0] = 0.3;
+    PressurePatch above = patch;  // at the right place, but off the surface
+    above.name = "P3";
+    above.box.min[2] = 0.05;
+    input.coupling.patch = {patch, edge, above};
     const JointSurface plate{
         {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, {1e6, 1e6, 1e6, 1e6}, {0, 1, 2, 3}, {0}, {"plate"}};
     contact::LawSettings law;
@@ -83,7 +89,10 @@ TEST_CASE("rows lose nothing: impulse, phases, patches and moments of a pressed 
     CHECK(forces["plate.water.fz [N]"].back() == Approx(-20));
     CHECK(forces["plate.slide.fz [N]"].back() == Approx(-10));
     CHECK(forces["plate.my [N m]"].back() == Approx(10 * 0.25 + 20 * 0.75));  // -x fz
-    CHECK(read_csv(folder + "/patches.csv")["P1 [Pa]"].back() == Approx(10 / 0.5));
+    auto patches = read_csv(folder + "/patches.csv");
+    CHECK(patches["P1 [Pa]"].back() == Approx(10 / 0.5));
+    CHECK(patches["P2 [Pa]"].back() == Approx(0.75 * 10 / 0.5));
+    CHECK(patches["P3 [Pa]"].back() == 0);
     CHECK(read_csv(folder + "/energy.interface.csv")["contacts"].back() == 2);
     std::filesystem::remove_all(folder);
 }
