@@ -12,12 +12,10 @@ namespace {
 constexpr double l0 = 0.3;
 }
 
-TEST_CASE(
-    "on a flat wall of quads the contact does not depend on where the "
-    "particle sits") {
+TEST_CASE("on a flat wall of quads the contact does not depend on where the particle sits") {
     const Nodes plate = flat_plate(4, 4, 0.25, 1);
-    // Over facets, on edges, on nodes, and smaller or larger than a facet: one
-    // contact, d = l0 - z.
+    // Over facets, on edges, on nodes, and smaller or larger than a facet: one contact, d = l0 -
+    // z.
     for (double x : {0.5, 0.375, 0.4999999, 0.43, 0.62})
         for (double y : {0.5, 0.375, 0.5000001, 0.58, 0.26})
             for (double radius : {0.05, 0.3}) {
@@ -30,8 +28,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a slightly curved surface of facets counts once at its seams") {
-    // A valley of 2 degrees between two facets, the particle centered over the
-    // seam.
+    // A valley of 2 degrees between two facets, the particle centered over the seam.
     const double s = std::tan(1 * M_PI / 180);
     const Nodes valley =
         mesh_of({{-1, 0, s}, {0, 0, 0}, {1, 0, s}, {-1, 1, s}, {0, 1, 0}, {1, 1, s}},
@@ -56,11 +53,8 @@ TEST_CASE("a concave corner counts both walls, a corner of three counts three") 
     CHECK(contacts_at(corner, Vec(0.8 * l0, 0.7 * l0, 0.9 * l0), l0).size() == 3);
 }
 
-TEST_CASE(
-    "a convex edge counts once, with the normal from the edge to the "
-    "particle") {
-    // Top (normal +z) and side (normal +x) of a block whose edge runs along y at
-    // x = z = 0.
+TEST_CASE("a convex edge counts once, with the normal from the edge to the particle") {
+    // Top (normal +z) and side (normal +x) of a block whose edge runs along y at x = z = 0.
     const Nodes edge =
         mesh_of({{-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {0, 0, -1}, {0, 1, -1}},
                 {0, 1, 2, 3, 1, 4, 5, 2}, 1);
@@ -94,9 +88,7 @@ TEST_CASE("a knife edge, sharper than 90 degrees, is still one contact") {
     }
 }
 
-TEST_CASE(
-    "a particle whose center has passed the surface is pushed back out, "
-    "to a stated depth") {
+TEST_CASE("a particle whose center has passed the surface is pushed back out, to a stated depth") {
     const Nodes plate = flat_plate(4, 4, 0.25, 1);
     const auto behind = contacts_at(plate, Vec(0.4, 0.6, -0.2 * l0), l0);
     REQUIRE(behind.size() == 1);

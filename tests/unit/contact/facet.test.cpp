@@ -35,9 +35,7 @@ double sampled_distance(const Vec& x, const Corners& facet) {
 
 }  // namespace
 
-TEST_CASE(
-    "the foot is the weighted sum of the nodes, weights sum to 1 and "
-    "none is negative") {
+TEST_CASE("the foot is the weighted sum of the nodes, weights sum to 1 and none is negative") {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> any(-1, 2);
     for (const Corners& facet : {unit_square, warped})
@@ -78,18 +76,14 @@ TEST_CASE("a foot inside has no rim, one on an edge two nodes, one on a corner o
     CHECK(closest_point(Vec(-0.2, 1.4, 1), triangle).rim == 0b0100);
 }
 
-TEST_CASE(
-    "over a flat quad the foot lies straight below and the normal points "
-    "to the wet side") {
+TEST_CASE("over a flat quad the foot lies straight below and the normal points to the wet side") {
     const Foot foot = closest_point(Vec(0.7, 0.2, 0.3), unit_square);
     CHECK(foot.distance == Approx(0.3));
     CHECK(foot.normal[2] == Approx(1));
     CHECK(closest_point(Vec(0.7, 0.2, -0.3), unit_square).normal[2] == Approx(1));
 }
 
-TEST_CASE(
-    "neighboring quads are watertight: at the common edge both give the "
-    "same foot") {
+TEST_CASE("neighboring quads are watertight: at the common edge both give the same foot") {
     const Corners left{{Vec(0, 0, 0.1), Vec(1, 0, 0), Vec(1, 1, 0.2), Vec(0, 1, 0)}, false};
     const Corners right{{Vec(1, 0, 0), Vec(2, 0.1, 0.3), Vec(2, 1, 0), Vec(1, 1, 0.2)}, false};
     for (double y = 0.05; y < 1; y += 0.1) {

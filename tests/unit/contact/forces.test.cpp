@@ -50,8 +50,7 @@ TEST_CASE("contact forces of particles and nodes sum to exactly zero") {
     contact.compute_forces(1e-3);
     REQUIRE(contact.contacts().size() > 300);
     CHECK(contact.momentum_residual() == 0);
-    // Exact sums of the doubles that are sent, too: all are multiples of one
-    // power of two.
+    // Exact sums of the doubles that are sent, too: all are multiples of one power of two.
     double sum[3] = {0, 0, 0}, size = 0;
     for (std::size_t i = 0; i < contact.on_particles().size(); ++i) {
         sum[i % 3] += contact.on_particles()[i];
@@ -102,8 +101,7 @@ TEST_CASE("normal contact conserves moments") {
     }
     for (std::size_t n = 0; n < crowd.plate.mass.size(); ++n)
         moment += Vec::Map(&crowd.plate.x[3 * n]).cross(Vec::Map(&contact.on_nodes()[3 * n]));
-    // Quantum 2^-40 of the largest force and round-off of the closest point,
-    // 1e-16/1e-2 of l0.
+    // Quantum 2^-40 of the largest force and round-off of the closest point, 1e-16/1e-2 of l0.
     CHECK(moment.norm() < 1e-11 * size);
 }
 
@@ -146,9 +144,7 @@ TEST_CASE("a surface never pulls") {
     CHECK(contact.on_particles()[2] == 0);
 }
 
-TEST_CASE(
-    "stiffness may fall within a contact, never rise, and starts anew "
-    "after separation") {
+TEST_CASE("stiffness may fall within a contact, never rise, and starts anew after separation") {
     LawSettings law;
     law.stiffness = StiffnessKind::eq11;
     law.eta = 0;

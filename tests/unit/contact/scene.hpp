@@ -1,6 +1,6 @@
 #pragma once
-// Small worlds for the contact tests: surfaces to order, particles, and a
-// leapfrog that moves both.
+// Small worlds for the contact tests: surfaces to order, particles, and a leapfrog that moves
+// both.
 
 #include <cstdint>
 #include <functional>
