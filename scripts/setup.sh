@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # scripts/setup.sh: installs what Undertow needs from Debian's own packages and builds it.
 # Safe to run again: what is there is kept, and a second run takes a second or two.
-# UNDERTOW_BUILD=FOLDER builds elsewhere than in build/.
+# --tests builds the tests as well; UNDERTOW_BUILD=FOLDER builds elsewhere than in build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+targets=(programs)
 case "${1:-}" in
     "") ;;
+    --tests) targets=(all) ;;
     -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;;
-    *) echo "scripts/setup.sh takes no arguments, but got: $1" >&2; exit 2 ;;
+    *) echo "scripts/setup.sh knows --tests only, but got: $1" >&2; exit 2 ;;
 esac
 
 # tools, C++ libraries, Python for the report and for participants written in it, film
@@ -61,4 +63,4 @@ if [[ $(cat "$build/.stamp" 2>/dev/null || true) != "$stamp" ]]; then
     }
     echo "$stamp" >"$build/.stamp"
 fi
-cmake --build "$build"
+cmake --build "$build" --target "${targets[@]}"

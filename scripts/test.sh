@@ -13,5 +13,5 @@ case "${1:-}" in
     *) echo "scripts/test.sh knows --quick and --long, but got: $1" >&2; exit 2 ;;
 esac
 
-scripts/setup.sh
+scripts/setup.sh --tests
 exec ctest --test-dir "${UNDERTOW_BUILD:-build}" --output-on-failure -j2 "${leave_out[@]}"
