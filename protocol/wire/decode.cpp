@@ -5,6 +5,7 @@
 
 #include "wire/codec.hpp"
 #include "wire/errors.hpp"
+#include "wire/header_reader.hpp"
 #include "wire/layout.hpp"
 
 namespace undertow::wire {
@@ -214,7 +215,7 @@ std::uint64_t find_type(HeaderReader reader) {
     const std::size_t n_keys = reader.map_size();
     for (std::size_t i = 0; i < n_keys; ++i) {
         if (reader.text() == "m") return reader.unsigned_integer();
-        reader.skip(max_depth - 1);
+        reader.skip();
     }
     throw PeerError("E_MALFORMED", "key m (the message type) is missing");
 }
@@ -237,16 +238,15 @@ void decode_struct(HeaderReader reader, std::span<const Bytes> frames, Message& 
                 }
                 before = true;
                 if (key == "m")
-                    reader.skip(0);
+                    reader.skip();
                 else
                     read_array_list(reader, list);
                 continue;
             }
             KeyReader one{reader, key, seen};
             describe(one, m);
-            if (!one.matched) reader.skip(max_depth - 1);  // a later minor version's key
+            if (!one.matched) reader.skip();  // a later minor version's key
         }
-        if (!reader.at_end()) throw PeerError("E_MALFORMED", "bytes follow the header's map");
         if (!list.present) throw PeerError("E_MALFORMED", "key a (the list of arrays) is missing");
         KeyCheck keys{seen};
         describe(keys, std::as_const(m));
@@ -268,7 +268,7 @@ void decode(Bytes header, std::span<const Bytes> arrays, Message& message) {
         throw PeerError("E_MALFORMED", "a header of " + std::to_string(header.size()) +
                                            " bytes passes the limit of 64 kB");
     }
-    const HeaderReader reader(header);
+    const HeaderReader reader(parse_header(header));
     const std::uint64_t type = find_type(reader);
     switch (static_cast<MessageType>(type > 0xff ? 0 : type)) {
         case MessageType::hello:

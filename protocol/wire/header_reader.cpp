@@ -1,8 +1,9 @@
 #include "wire/header_reader.hpp"
 
-#include <bit>
-#include <cstdio>
+#include <cassert>
 #include <limits>
+#include <msgpack/null_visitor.hpp>
+#include <msgpack/unpack.hpp>  // parse.hpp does not stand alone
 
 #include "wire/errors.hpp"
 
@@ -10,133 +11,139 @@ namespace undertow::wire {
 
 namespace {
 
+using Kind = HeaderValue::Kind;
+
 [[noreturn]] void malformed(const std::string& what) {
     throw PeerError("E_MALFORMED", what);
 }
 
-[[noreturn]] void unexpected(const char* wanted, unsigned char marker) {
-    char text[96];
-    std::snprintf(text, sizeof text, "%s expected, but the MessagePack byte is 0x%02x", wanted,
-                  marker);
-    malformed(text);
+[[noreturn]] void unexpected(const char* wanted, const HeaderValue& value) {
+    static constexpr const char* names[] = {"an integer", "an integer", "a number",     "a text",
+                                            "a list",     "a map",      "another value"};
+    malformed(std::string(wanted) + " expected, but " + names[static_cast<int>(value.kind)] +
+              " came");
 }
+
+/// Collects what msgpack-c meets. Its strings are views, as nothing is copied; its base answers
+/// what needs no answer here. A false result would only stop the parser, so mistakes are thrown.
+class Collector : public msgpack::null_visitor {
+ public:
+    explicit Collector(std::vector<HeaderValue>& values) : values_(values) {}
+
+    bool visit_nil() { return other(); }
+    bool visit_boolean(bool) { return other(); }
+    bool visit_bin(const char*, std::uint32_t) { return other(); }
+    bool visit_ext(const char*, std::uint32_t) { malformed("extension types are not allowed"); }
+
+    bool visit_positive_integer(std::uint64_t number) {
+        add(Kind::unsigned_integer).unsigned_integer = number;
+        return true;
+    }
+    bool visit_negative_integer(std::int64_t number) {
+        add(Kind::integer).integer = number;
+        return true;
+    }
+    bool visit_float32(float number) { return visit_float64(number); }
+    bool visit_float64(double number) {
+        add(Kind::number).number = number;
+        return true;
+    }
+    bool visit_str(const char* text, std::uint32_t size) {
+        add(Kind::text).text = {text, size};
+        return true;
+    }
+
+    bool start_array(std::uint32_t count) { return open(Kind::list, count); }
+    bool start_map(std::uint32_t count) { return open(Kind::map, count); }
+    bool end_array() { return close(); }
+    bool end_map() { return close(); }
+
+    void parse_error(std::size_t, std::size_t place) {
+        malformed("byte " + std::to_string(place) + " of the header is not MessagePack");
+    }
+
+ private:
+    HeaderValue& add(Kind kind) { return values_.emplace_back(HeaderValue{kind, {}, {}}); }
+    bool other() {
+        add(Kind::other);
+        return true;
+    }
+    bool open(Kind kind, std::uint32_t count) {
+        if (++depth_ > max_depth) malformed("the header is nested deeper than 4 levels");
+        add(kind).count = count;
+        return true;
+    }
+    bool close() {
+        --depth_;
+        return true;
+    }
+
+    std::vector<HeaderValue>& values_;
+    int depth_ = 0;
+};
 
 }  // namespace
 
-unsigned char HeaderReader::take() {
-    if (rest_.empty()) malformed("the header ends in the middle of a value");
-    const auto byte = static_cast<unsigned char>(rest_.front());
-    rest_ = rest_.subspan(1);
-    return byte;
-}
-
-std::uint64_t HeaderReader::take_big_endian(int n_bytes) {
-    std::uint64_t bits = 0;
-    for (int i = 0; i < n_bytes; ++i) bits = bits << 8 | take();
-    return bits;
-}
-
-std::size_t HeaderReader::checked_count(std::uint64_t count, std::size_t bytes_each) const {
-    if (count > rest_.size() / bytes_each) {
-        malformed("a list or map claims " + std::to_string(count) + " entries, but only " +
-                  std::to_string(rest_.size()) + " bytes follow");
+std::span<const HeaderValue> parse_header(Bytes header) {
+    thread_local std::vector<HeaderValue> values;  // keeps its capacity from message to message
+    values.clear();
+    Collector collector(values);
+    std::size_t end = 0;
+    if (!msgpack::parse(reinterpret_cast<const char*>(header.data()), header.size(), end,
+                        collector)) {
+        malformed("the header ends in the middle of a value");
     }
-    return static_cast<std::size_t>(count);
+    if (end < header.size()) malformed("bytes follow the header's map");
+    return values;
 }
 
-void HeaderReader::drop(std::uint64_t n_bytes) {
-    if (n_bytes > rest_.size()) malformed("the header ends in the middle of a value");
-    rest_ = rest_.subspan(static_cast<std::size_t>(n_bytes));
+const HeaderValue& HeaderReader::take() {
+    assert(!rest_.empty());  // parse_header() saw to it that nothing is missing
+    const HeaderValue& value = rest_.front();
+    rest_ = rest_.subspan(1);
+    return value;
 }
 
 std::size_t HeaderReader::map_size() {
-    const unsigned char marker = take();
-    if ((marker & 0xf0) == 0x80) return checked_count(marker & 0x0f, 2);
-    if (marker == 0xde) return checked_count(take_big_endian(2), 2);
-    if (marker == 0xdf) return checked_count(take_big_endian(4), 2);
-    unexpected("a map", marker);
+    const HeaderValue& value = take();
+    if (value.kind != Kind::map) unexpected("a map", value);
+    return value.count;
 }
 
 std::size_t HeaderReader::array_size() {
-    const unsigned char marker = take();
-    if ((marker & 0xf0) == 0x90) return checked_count(marker & 0x0f, 1);
-    if (marker == 0xdc) return checked_count(take_big_endian(2), 1);
-    if (marker == 0xdd) return checked_count(take_big_endian(4), 1);
-    unexpected("a list", marker);
+    const HeaderValue& value = take();
+    if (value.kind != Kind::list) unexpected("a list", value);
+    return value.count;
 }
 
 std::string_view HeaderReader::text() {
-    const unsigned char marker = take();
-    std::uint64_t length = 0;
-    if ((marker & 0xe0) == 0xa0)
-        length = marker & 0x1f;
-    else if (marker == 0xd9)
-        length = take_big_endian(1);
-    else if (marker == 0xda)
-        length = take_big_endian(2);
-    else if (marker == 0xdb)
-        length = take_big_endian(4);
-    else
-        unexpected("a text", marker);
-    const Bytes from = rest_;
-    drop(length);
-    return {reinterpret_cast<const char*>(from.data()), static_cast<std::size_t>(length)};
+    const HeaderValue& value = take();
+    if (value.kind != Kind::text) unexpected("a text", value);
+    return value.text;
 }
 
 std::uint64_t HeaderReader::unsigned_integer() {
-    const unsigned char marker = rest_.empty() ? 0 : static_cast<unsigned char>(rest_.front());
-    if (marker == 0xcf) {
-        take();
-        return take_big_endian(8);
+    const HeaderValue& value = take();
+    if (value.kind == Kind::unsigned_integer) return value.unsigned_integer;
+    if (value.kind != Kind::integer) unexpected("an integer", value);
+    if (value.integer < 0) {  // an int8 to int64 may still hold a positive number
+        malformed("an integer >= 0 expected, but it is " + std::to_string(value.integer));
     }
-    const std::int64_t signed_value = integer();
-    if (signed_value < 0) {
-        malformed("an integer >= 0 expected, but it is " + std::to_string(signed_value));
-    }
-    return static_cast<std::uint64_t>(signed_value);
+    return static_cast<std::uint64_t>(value.integer);
 }
 
 std::int64_t HeaderReader::integer() {
-    const unsigned char marker = take();
-    if (marker < 0x80) return marker;
-    if (marker >= 0xe0) return static_cast<std::int8_t>(marker);
-    switch (marker) {
-        case 0xcc:
-            return static_cast<std::int64_t>(take_big_endian(1));
-        case 0xcd:
-            return static_cast<std::int64_t>(take_big_endian(2));
-        case 0xce:
-            return static_cast<std::int64_t>(take_big_endian(4));
-        case 0xcf: {
-            const std::uint64_t value = take_big_endian(8);
-            if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-                malformed("an integer does not fit in 64 signed bits");
-            }
-            return static_cast<std::int64_t>(value);
-        }
-        case 0xd0:
-            return static_cast<std::int8_t>(take_big_endian(1));
-        case 0xd1:
-            return static_cast<std::int16_t>(take_big_endian(2));
-        case 0xd2:
-            return static_cast<std::int32_t>(take_big_endian(4));
-        case 0xd3:
-            return static_cast<std::int64_t>(take_big_endian(8));
-        default:
-            unexpected("an integer", marker);
+    const HeaderValue& value = take();
+    if (value.kind == Kind::integer) return value.integer;
+    if (value.kind != Kind::unsigned_integer) unexpected("an integer", value);
+    if (value.unsigned_integer > std::uint64_t(std::numeric_limits<std::int64_t>::max())) {
+        malformed("an integer does not fit in 64 signed bits");
     }
+    return static_cast<std::int64_t>(value.unsigned_integer);
 }
 
 double HeaderReader::number() {
-    const unsigned char marker = rest_.empty() ? 0 : static_cast<unsigned char>(rest_.front());
-    if (marker == 0xcb) {
-        take();
-        return std::bit_cast<double>(take_big_endian(8));
-    }
-    if (marker == 0xca) {
-        take();
-        return std::bit_cast<float>(static_cast<std::uint32_t>(take_big_endian(4)));
-    }
+    if (!rest_.empty() && rest_.front().kind == Kind::number) return take().number;
     return static_cast<double>(integer());
 }
 
@@ -162,48 +169,11 @@ void HeaderReader::value(std::vector<std::string>& into) {
     for (std::string& text_of_list : into) text_of_list = text();
 }
 
-void HeaderReader::skip(int depth) {
-    if (rest_.empty()) take();  // throws: the header ends here
-    const auto marker = static_cast<unsigned char>(rest_.front());
-    const bool is_array = (marker & 0xf0) == 0x90 || marker == 0xdc || marker == 0xdd;
-    const bool is_map = (marker & 0xf0) == 0x80 || marker == 0xde || marker == 0xdf;
-    if (is_array || is_map) {
-        if (depth <= 0) malformed("the header is nested deeper than 4 levels");
-        const std::size_t values = is_array ? array_size() : 2 * map_size();
-        for (std::size_t i = 0; i < values; ++i) skip(depth - 1);
-        return;
-    }
-    if ((marker & 0xe0) == 0xa0 || (marker >= 0xd9 && marker <= 0xdb)) {
-        text();
-        return;
-    }
-    take();
-    if (marker < 0x80 || marker >= 0xe0 || marker == 0xc0 || marker == 0xc2 || marker == 0xc3) {
-        return;  // small integers, nil, false, true
-    }
-    switch (marker) {
-        case 0xc4:
-            return drop(take_big_endian(1));  // bin
-        case 0xc5:
-            return drop(take_big_endian(2));
-        case 0xc6:
-            return drop(take_big_endian(4));
-        case 0xcc:
-        case 0xd0:
-            return drop(1);
-        case 0xcd:
-        case 0xd1:
-            return drop(2);
-        case 0xca:
-        case 0xce:
-        case 0xd2:
-            return drop(4);
-        case 0xcb:
-        case 0xcf:
-        case 0xd3:
-            return drop(8);
-        default:
-            unexpected("a value without extension types", marker);
+void HeaderReader::skip() {
+    for (std::size_t due = 1; due > 0; --due) {
+        const HeaderValue& value = take();
+        if (value.kind == Kind::list) due += value.count;
+        if (value.kind == Kind::map) due += 2 * value.count;
     }
 }
 

@@ -1,28 +1,43 @@
 #pragma once
 // Reads the MessagePack header of a message, strictly: a peer's bytes may be wrong in any way and
-// must never cost more than the header's own length in memory or time. Every mistake is a PeerError
-// E_MALFORMED. Nothing is allocated: strings are views into the frame.
+// must never cost more memory or time than in proportion to the header's length. msgpack-c parses
+// the bytes to a flat list of values; HeaderReader takes from the list what the protocol expects.
+// Every mistake is a PeerError E_MALFORMED. Texts are views into the frame.
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "wire/codec.hpp"
+
 namespace undertow::wire {
 
-using Bytes = std::span<const std::byte>;
+/// One value of a header. A list's entries, or a map's keys and values in turn, follow it.
+struct HeaderValue {
+    enum class Kind : std::uint8_t { unsigned_integer, integer, number, text, list, map, other };
+    Kind kind;  // other: nil, true, false, bin - legal in keys of later versions only
+    union {
+        std::uint64_t unsigned_integer;
+        std::int64_t integer;
+        double number;
+        std::uint64_t count;  // of a list's or map's entries
+    };
+    std::string_view text;
+};
+
+/// The header's values, whole: every list and map has the entries it claims. Refuses extension
+/// types, more than max_depth levels, and bytes after the first value. The result lives until the
+/// thread's next call.
+std::span<const HeaderValue> parse_header(Bytes header);
 
 class HeaderReader {
  public:
-    explicit HeaderReader(Bytes header) : rest_(header) {}
+    explicit HeaderReader(std::span<const HeaderValue> values) : rest_(values) {}
 
-    bool at_end() const { return rest_.empty(); }
-
-    /// Number of entries. Refused when the rest of the header is too short to hold them.
-    std::size_t map_size();
+    std::size_t map_size();  // number of entries
     std::size_t array_size();
 
     std::string_view text();
@@ -38,15 +53,12 @@ class HeaderReader {
     void value(std::array<int, 2>& into);
     void value(std::vector<std::string>& into);
 
-    /// Skips one value of any kind but extension types. `depth`: levels it may still open.
-    void skip(int depth);
+    /// Skips one value of any kind.
+    void skip();
 
  private:
-    unsigned char take();
-    std::uint64_t take_big_endian(int n_bytes);
-    std::size_t checked_count(std::uint64_t count, std::size_t bytes_each) const;
-    void drop(std::uint64_t n_bytes);
-    Bytes rest_;
+    const HeaderValue& take();
+    std::span<const HeaderValue> rest_;
 };
 
 }  // namespace undertow::wire

@@ -7,7 +7,7 @@
 // `describe(io, message)` visits them: io.key(name, member) for what stands in the header,
 // io.array(name, member, columns) for what travels as a raw frame; columns = 1 means shape (N),
 // otherwise (N, columns). Key "m" (the type) comes first and "a" (the list of arrays) last; both
-// are the codec's. At most 15 keys, so that the map's size is one byte.
+// are the codec's. At most 32 keys: the decoder keeps a bit for each.
 
 #include <concepts>
 #include <type_traits>
