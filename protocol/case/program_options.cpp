@@ -5,7 +5,7 @@
 
 #include "results/log.hpp"
 #include "results/stop_signal.hpp"
-#include "wire/errors.hpp"
+#include "wire/failure.hpp"
 
 namespace undertow {
 
@@ -46,18 +46,10 @@ int run_program(int argc, char** argv, const Program& program) {
     try {
         install_stop_signal();
         return program.run(options);
-    } catch (const InputError& error) {
-        log_error(error.what());
-        return exit_input;
-    } catch (const PeerError& error) {
-        log_error(error.what());
-        return exit_peer;
-    } catch (const PhysicsError& error) {
-        log_error(error.what());
-        return exit_physics;
-    } catch (const std::exception& error) {   // a full disk, no memory
-        log_error(error.what());
-        return exit_input;
+    } catch (const std::exception& error) {
+        const Failure failure = failure_of(error);
+        log_error(failure.text);
+        return failure.exit;
     }
 }
 

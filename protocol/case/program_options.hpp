@@ -27,12 +27,12 @@ struct Program {
     std::string name;          // "sph_solver"
     std::string description;
     ProgramKind kind;
-    /// Reads nothing, throws the three kinds of error; its result is the exit code.
+    /// Its result is the exit code; an error that it throws becomes one.
     std::function<int(const ProgramOptions&)> run;
 };
 
-/// Parses, installs the stop signal, runs, and turns errors into log lines and exit codes: 2 the
-/// user's input, 3 a peer, 4 the physics.
+/// Parses, installs the stop signal, runs, and turns errors into log lines and exit codes as
+/// failure_of() has them; a wrong command line is 2.
 int run_program(int argc, char** argv, const Program& program);
 
 /// The case named on the command line; makes the folder of the results and opens the log there.
