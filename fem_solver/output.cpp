@@ -42,7 +42,7 @@ Output::Output(const std::string& folder, const Case& c, const Structure& struct
                {"probes: displacement and velocity of the node nearest to the point at the start",
                 "support: force of the support on the structure, unfiltered"},
                history_columns(structure.model())),
-      every_(c.output.history_every > 0 ? c.output.history_every : c.time.end / 2000) {}
+      row_times_(c.output.history_every, c.time.end) {}
 
 void Output::fields(double t, const Structure& structure) {
     if (t == last_fields_) return;
@@ -71,9 +71,7 @@ void Output::fields(double t, const Structure& structure) {
 }
 
 void Output::history(double t, const Structure& structure) {
-    if (t < double(next_) * every_ * (1 - 1e-12)) return;
-    next_ = std::int64_t(std::floor(t / every_ * (1 + 1e-12))) + 1;
-    write_rows(t, structure);
+    if (row_times_.due(t)) write_rows(t, structure);
 }
 
 void Output::last_history(double t, const Structure& structure) {

@@ -41,8 +41,7 @@ class Output {
     std::string folder_;
     MeshFile mesh_;
     History energy_, history_;
-    double every_;                                // [s]
-    std::int64_t next_ = 0;                       // row, in units of every_
+    HistoryTimes row_times_;
     double last_row_ = -1, last_fields_ = -1;     // [s]
     double peak_energy_ = 0, worst_balance_ = 0;  // [J]
     double peak_displacement_ = 0;                // [m]

@@ -1,19 +1,10 @@
 #include "fem_solver/solver.hpp"
 
-#include <chrono>
-
 #include "results/stop_signal.hpp"
+#include "results/wall_clock.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
-namespace {
-
-double wall_clock() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-}  // namespace
 
 Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line)
     : structure_(structure), link_(link), output_(output), line_(line), t_end_(c.time.end) {}

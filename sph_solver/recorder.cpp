@@ -13,10 +13,6 @@ namespace undertow::sph {
 
 namespace {
 
-double history_interval(const Case& input) {
-    return input.output.history_every > 0 ? input.output.history_every : input.time.end / 2000;
-}
-
 std::vector<std::string> with_time(std::vector<std::string> columns) {
     columns.insert(columns.begin(), "t [s]");
     return columns;
@@ -28,7 +24,7 @@ Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
                    const FluidSystem& fluid)
     : folder_(folder),
       alone_(alone),
-      every_(history_interval(input)),
+      row_times_(input.output.history_every, input.time.end),
       gauges_(input.sph.gauge),
       fields_(folder + "/sph"),
       energy_file_(folder + "/energy.sph.csv",
@@ -58,8 +54,7 @@ Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
 }
 
 void Recorder::observe(double t, const FluidSystem& fluid) {
-    if (t < next_row_ * every_ * (1 - 1e-12)) return;
-    next_row_ = static_cast<std::int64_t>(std::floor(t / every_ * (1 + 1e-12))) + 1;
+    if (!row_times_.due(t)) return;
     if (gauge_file_) {
         std::vector<double> row{t};
         const std::vector<double> values = read_gauges(gauges_, fluid);

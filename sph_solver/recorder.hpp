@@ -42,8 +42,7 @@ class Recorder {
 
     std::string folder_;
     bool alone_;
-    double every_;                     // [s]
-    std::int64_t next_row_ = 0;
+    HistoryTimes row_times_;
     std::vector<SphGauge> gauges_;
     std::vector<std::int64_t> next_gauge_;
     std::vector<double> gauge_values_;

@@ -1,23 +1,15 @@
 #include "results/history.hpp"
 
 #include <cerrno>
-#include <chrono>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
+#include "results/wall_clock.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow {
-
-namespace {
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-}  // namespace
 
 History::History(const std::string& path, const std::vector<std::string>& notes,
                  const std::vector<std::string>& columns)
@@ -47,14 +39,23 @@ void History::row(std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i)
         std::fprintf(file_, i == 0 ? "%.9g" : ",%.9g", values[i]);
     std::fputc('\n', file_);
-    if (wall_seconds() - last_flush_ > 1) flush();
+    if (wall_clock() - last_flush_ > 1) flush();
 }
 
 void History::flush() {
     if (std::fflush(file_) != 0)
         throw InputError(std::string("a history could not be written: ") + std::strerror(errno) +
                          "; check that the disk is not full.");
-    last_flush_ = wall_seconds();
+    last_flush_ = wall_clock();
+}
+
+HistoryTimes::HistoryTimes(double every, double t_end) : every_(every > 0 ? every : t_end / 2000) {}
+
+bool HistoryTimes::due(double t) {
+    constexpr double round_off = 1e-12;
+    if (t < double(next_) * every_ * (1 - round_off)) return false;
+    next_ = std::int64_t(std::floor(t / every_ * (1 + round_off))) + 1;
+    return true;
 }
 
 }  // namespace undertow

@@ -1,6 +1,7 @@
 #pragma once
 // A CSV history: '#' header lines (quantity, units, filter), a column line, rows flushed in time.
 
+#include <cstdint>
 #include <cstdio>
 #include <span>
 #include <string>
@@ -26,6 +27,22 @@ class History {
     std::FILE* file_ = nullptr;
     std::size_t columns_ = 0;
     double last_flush_ = 0;
+};
+
+/// When rows of a history are due: at the first step at or after each multiple of an interval. The
+/// multiples are computed afresh, so that no round-off adds up; a step longer than the interval
+/// gets one row.
+class HistoryTimes {
+ public:
+    /// every [s] = output.history_every; 0 means a 2000th of t_end [s].
+    HistoryTimes(double every, double t_end);
+
+    /// Asked once per step, with rising t [s]; true when the step deserves a row.
+    bool due(double t);
+
+ private:
+    double every_;  // [s]
+    std::int64_t next_ = 0;
 };
 
 }  // namespace undertow

@@ -4,11 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "results/summary.hpp"
 #include "results/terminal_line.hpp"
+#include "results/wall_clock.hpp"
 
 namespace undertow {
 
@@ -19,11 +19,6 @@ constexpr double log_every = 30;        // [s] when nobody watches
 constexpr double status_every = 1;      // [s]
 constexpr double smoothing = 5;         // [s] time constant of the rate behind the ETA
 constexpr int bar_width = 20;
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 std::string duration_text(double seconds) {
     if (!std::isfinite(seconds)) return "--";
@@ -73,7 +68,7 @@ ProgressLine::ProgressLine(bool quiet, std::string status_file)
     : quiet_(quiet),
       terminal_(on_terminal()),
       status_file_(std::move(status_file)),
-      start_(wall_seconds()),
+      start_(wall_clock()),
       last_line_(start_),
       last_wall_(start_) {}
 
@@ -82,7 +77,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::update(const ProgressFigures& figures) {
-    const double now = wall_seconds();
+    const double now = wall_clock();
     const bool line_due = !quiet_ && now - last_line_ >= (terminal_ ? terminal_every : log_every);
     const bool status_due = !status_file_.empty() && now - last_status_ >= status_every;
     if (!line_due && !status_due) return;
@@ -118,7 +113,7 @@ void ProgressLine::measure(const ProgressFigures& figures, double now) {
 }
 
 void ProgressLine::finish(const ProgressFigures& figures) {
-    const double wall = std::max(wall_seconds() - start_, 1e-9);
+    const double wall = std::max(wall_clock() - start_, 1e-9);
     const double particle_rate = figures.particle_steps / wall;
     const double element_rate = figures.element_steps / wall;
     if (!quiet_) {

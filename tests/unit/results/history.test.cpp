@@ -47,3 +47,21 @@ TEST_CASE("a summary nests by dots, keeps types and is valid JSON even for NaN")
     CHECK(read["residual"].is_null());
     CHECK_FALSE(std::filesystem::exists(folder.file("summary.sph.json.tmp")));
 }
+
+TEST_CASE("rows are due once per multiple of the interval, whatever the steps") {
+    undertow::HistoryTimes every_tenth(0.1, 1);
+    int rows = 0;
+    for (int n = 0; n <= 1000; ++n) rows += every_tenth.due(n * 0.001);
+    CHECK(rows == 11);  // 0, 0.1, ... 1: a multiple missed by round-off is not put off by a step
+
+    undertow::HistoryTimes long_steps(0.1, 1);
+    CHECK(long_steps.due(0));
+    CHECK(long_steps.due(0.55));  // five multiples passed: one row
+    CHECK_FALSE(long_steps.due(0.59));
+    CHECK(long_steps.due(0.6));
+
+    undertow::HistoryTimes by_default(0, 2000);
+    CHECK(by_default.due(0));
+    CHECK_FALSE(by_default.due(0.5));
+    CHECK(by_default.due(1));
+}
