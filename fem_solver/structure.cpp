@@ -2,22 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "fem_solver/physics/largest_frequency.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow::fem {
-namespace {
-
-std::string printed(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
-
-}  // namespace
-
 Structure::Structure(Model model, int threads)
     : model_(std::move(model)),
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
@@ -108,20 +98,21 @@ const StableStep& Structure::stable_step() {
 }
 
 void Structure::check_health(std::int64_t n, double t) const {
-    const std::string when = "at t = " + printed(t) + " s (step " + std::to_string(n) + ") ";
+    const std::string when = "at t = " + number_text(t) + " s (step " + std::to_string(n) + ") ";
     const double sum = report_.strain_work + report_.hourglass_work + kick_.kinetic;
     if (!std::isfinite(sum) || !(report_.relative_volume > 0)) {
         const std::size_t e = elements_.most_compressed(nodes_);
         throw PhysicsError(
             when + model_.mesh.element_name(e) + " of " + elements_.part_name(e) +
-            (std::isfinite(sum) ? " has inverted (V/V0 = " + printed(report_.relative_volume) + ")"
-                                : " holds values that are not finite") +
+            (std::isfinite(sum)
+                 ? " has inverted (V/V0 = " + number_text(report_.relative_volume) + ")"
+                 : " holds values that are not finite") +
             "; lower fem.cfl, refine the mesh there, or look for a load that is too large.");
     }
     const double speed = std::sqrt(kick_.speed2), sound = elements_.largest_wave_speed();
     if (speed > sound)
-        throw PhysicsError(when + "a node of the structure moves at " + printed(speed) +
-                           " m/s, faster than sound in it (" + printed(sound) +
+        throw PhysicsError(when + "a node of the structure moves at " + number_text(speed) +
+                           " m/s, faster than sound in it (" + number_text(sound) +
                            " m/s): the computation is unstable; lower fem.cfl.");
 }
 

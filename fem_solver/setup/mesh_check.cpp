@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <string>
 
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow::fem {
 namespace {
@@ -68,12 +68,10 @@ MeshQuality check_mesh(const Mesh& mesh) {
         }
     }
     if (bad > 0) {
-        char value[32];
-        std::snprintf(value, sizeof value, "%.3g", first_jacobian);
         throw InputError("fem: " + mesh.element_name(first_bad) + " of " + mesh.source +
-                         " is inverted or degenerate (smallest corner Jacobian " + value +
-                         " m3, must be > 0); " + std::to_string(bad) + " of " +
-                         std::to_string(mesh.hexahedra.size()) +
+                         " is inverted or degenerate (smallest corner Jacobian " +
+                         number_text(first_jacobian, 3) + " m3, must be > 0); " +
+                         std::to_string(bad) + " of " + std::to_string(mesh.hexahedra.size()) +
                          " elements are. Mend the mesh, or turn the node order round.");
     }
     return quality;

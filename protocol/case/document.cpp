@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow {
 
@@ -50,7 +50,6 @@ std::string kind_name(const Node& node) {
 }
 
 std::string value_text(const Node& node) {
-    char digits[40];
     switch (node.kind) {
         case Node::Kind::table:
             return "{...}";
@@ -59,8 +58,7 @@ std::string value_text(const Node& node) {
         case Node::Kind::integer:
             return std::to_string(node.integer);
         case Node::Kind::number:
-            std::snprintf(digits, sizeof digits, "%.10g", node.number);
-            return digits;
+            return number_text(node.number, 10);
         case Node::Kind::flag:
             return node.flag ? "true" : "false";
         case Node::Kind::array:

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "case/nearest.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow {
 
 namespace {
 
 std::string short_number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.10g", value);
-    return text;
+    return number_text(value, 10);
 }
 
 std::string with_unit(double value, const char* unit) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow {
 
@@ -15,12 +15,6 @@ namespace {
 constexpr double last_steps = 8;
 /// Relative room for round-off when a time is compared with an output time.
 constexpr double round_off = 1e-12;
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
 
 }  // namespace
 
@@ -33,9 +27,9 @@ AgreedStep StepAgreement::agree(double t, const std::vector<StepOffer>& offers) 
     std::string limiter;
     for (const StepOffer& offer : offers) {
         if (!(offer.dt >= time_.min_step))
-            throw PhysicsError("At t = " + number(t) + " s the stable step fell to " +
-                               number(offer.dt) + " s (" + offer.limiter +
-                               "), below time.min_step = " + number(time_.min_step) +
+            throw PhysicsError("At t = " + number_text(t, 4) + " s the stable step fell to " +
+                               number_text(offer.dt, 4) + " s (" + offer.limiter +
+                               "), below time.min_step = " + number_text(time_.min_step, 4) +
                                " s: the state has gone wrong there; look at the last field output "
                                "and refine or soften what limits the step.");
         if (offer.dt < dt) {

@@ -1,21 +1,16 @@
 #include "wire/data_check.hpp"
 
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow::wire {
 
 namespace {
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-}
-
 void check_particles(const Mesh& mesh) {
     if (!(mesh.radius > 0)) {
         throw PeerError("E_NONFINITE", "mesh " + mesh.mesh + ": the contact radius r = " +
-                                           number(mesh.radius) + " m must be > 0");
+                                           number_text(mesh.radius) + " m must be > 0");
     }
     if (!mesh.x.empty() || !mesh.quad.empty()) {
         throw PeerError("E_MESH", "mesh " + mesh.mesh +
@@ -35,7 +30,7 @@ void check_surface(const Mesh& mesh) {
     for (std::size_t a = 0; a < n_nodes; ++a) {
         if (mesh.mass[a] > 0) continue;
         throw PeerError("E_NONFINITE", "mesh " + mesh.mesh + ": the mass of node " +
-                                           std::to_string(a) + " is " + number(mesh.mass[a]) +
+                                           std::to_string(a) + " is " + number_text(mesh.mass[a]) +
                                            " kg; it must be > 0");
     }
     for (std::size_t i = 0; i < mesh.quad.size(); ++i) {
@@ -67,7 +62,7 @@ void check_mesh(const Mesh& mesh, const std::string& role) {
     }
     if (mesh.thickness < 0) {
         throw PeerError("E_MESH", "mesh " + mesh.mesh + ": the thickness " +
-                                      number(mesh.thickness) + " m must be >= 0");
+                                      number_text(mesh.thickness) + " m must be >= 0");
     }
     if (role == "particles")
         check_particles(mesh);
@@ -82,15 +77,16 @@ void check_probe(const Probe& probe, const Mesh& mesh) {
             throw PeerError(code, "PROBE(" + std::to_string(probe.n) + "): particle " +
                                       std::to_string(probe.id[i]) + " has the " + what);
         };
-        if (!(probe.mass[i] > 0)) refuse("E_NONFINITE", "mass " + number(probe.mass[i]) + " kg");
+        if (!(probe.mass[i] > 0))
+            refuse("E_NONFINITE", "mass " + number_text(probe.mass[i]) + " kg");
         if (!(probe.radius[i] > 0))
-            refuse("E_NONFINITE", "radius " + number(probe.radius[i]) + " m");
+            refuse("E_NONFINITE", "radius " + number_text(probe.radius[i]) + " m");
         if (!(probe.stiffness[i] >= 0)) {
-            refuse("E_NONFINITE", "stiffness " + number(probe.stiffness[i]) + " N/m");
+            refuse("E_NONFINITE", "stiffness " + number_text(probe.stiffness[i]) + " N/m");
         }
         if (probe.radius[i] > largest_radius) {
-            refuse("E_MESH", "radius " + number(probe.radius[i]) + " m; MESH announced at most " +
-                                 number(mesh.radius));
+            refuse("E_MESH", "radius " + number_text(probe.radius[i]) +
+                                 " m; MESH announced at most " + number_text(mesh.radius));
         }
         if (probe.phase[i] >= mesh.groups.size()) {
             refuse("E_MESH", "phase " + std::to_string(probe.phase[i]) + "; MESH announced " +

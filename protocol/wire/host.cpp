@@ -12,6 +12,7 @@
 #include "wire/data_check.hpp"
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 #include "wire/seat.hpp"
 #include "wire/session.hpp"
 
@@ -27,12 +28,6 @@ std::uint64_t draw_session() {
     std::uint64_t id = 0;
     while (id == 0) id = std::uint64_t{device()} << 32 | device();
     return id;
-}
-
-std::string in_seconds(double seconds) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g s", seconds);
-    return text;
 }
 
 }  // namespace
@@ -111,7 +106,8 @@ struct Host::Impl {
                 return;
             case Sent::timed_out:
                 fail("E_TIMEOUT",
-                     seat.name + " took no " + what + " within " + in_seconds(options.deadline),
+                     seat.name + " took no " + what + " within " +
+                         number_text(options.deadline, 3) + " s",
                      seat.name);
         }
     }
@@ -192,8 +188,8 @@ struct Host::Impl {
                 if (!seat.is_due()) continue;
                 if (seat.silence >= deadline) {
                     fail("E_TIMEOUT",
-                         seat.name + " has been silent for " + in_seconds(deadline) + " in step " +
-                             std::to_string(seat.session.step()) + " (" +
+                         seat.name + " has been silent for " + number_text(deadline, 3) +
+                             " s in step " + std::to_string(seat.session.step()) + " (" +
                              name_of(seat.session.phase()) + ")",
                          seat.name);
                 }
@@ -330,7 +326,7 @@ void Host::wait_join() {
         const double left = impl_->options.join_timeout - waited.count();
         if (left <= 0) {
             impl_->fail("E_TIMEOUT",
-                        "within " + in_seconds(impl_->options.join_timeout) + " " +
+                        "within " + number_text(impl_->options.join_timeout, 3) + " s " +
                             impl_->missing() + " at " + endpoint(),
                         "");
         }

@@ -9,6 +9,7 @@
 #include "wire/codec.hpp"
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 #include "wire/session.hpp"
 
 namespace undertow::wire {
@@ -22,12 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::string in_seconds(double seconds) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g s", seconds);
-    return text;
 }
 
 }  // namespace
@@ -63,7 +58,7 @@ struct Participant::Impl {
                 return;
             case Sent::timed_out:
                 throw PeerError("E_TIMEOUT", std::string("the coupler took no ") + name_of(type) +
-                                                 " within " + in_seconds(patience()));
+                                                 " within " + number_text(patience(), 3) + " s");
             case Sent::connection_lost:
                 lost();
         }
@@ -89,7 +84,7 @@ struct Participant::Impl {
             if (channel.any_broken()) lost();
             if (silence >= seconds) {
                 fail("E_TIMEOUT", "the coupler at " + options.endpoint + " sent no " + what +
-                                      " within " + in_seconds(seconds));
+                                      " within " + number_text(seconds, 3) + " s");
             }
             silence += channel.wait(seconds - silence);
         }
@@ -164,8 +159,8 @@ struct Participant::Impl {
                 lost();
             case Sent::timed_out:
                 throw PeerError("E_TIMEOUT", "no coupler appeared at " + options.endpoint +
-                                                 " within " + in_seconds(options.join_timeout) +
-                                                 "; start it with this endpoint");
+                                                 " within " + number_text(options.join_timeout, 3) +
+                                                 " s; start it with this endpoint");
         }
         take(std::max(options.join_timeout - seconds_since(start), 0.1), "WELCOME");
         welcome = std::get<Welcome>(incoming);

@@ -4,6 +4,7 @@
 
 #include "wire/codec.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow::wire {
 
@@ -19,9 +20,7 @@ std::string sentence(const Message& message, const std::string& rest) {
 
 /// The text carries the digits that make two nearly equal times differ.
 std::string exact(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    return text;
+    return number_text(value, 17);
 }
 
 bool is_step_message(MessageType type) {
