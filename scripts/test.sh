@@ -1,17 +1,30 @@
 #!/usr/bin/env bash
 # scripts/test.sh [--quick|--long]: sets up, builds and runs the tests; fails when a test fails.
-# --quick leaves out the tests labeled slow (whole cases); --long adds those labeled long.
+# First the unit tests in a build with address and undefined-behavior sanitizers, then all tests in the
+# usual build. --quick leaves out the sanitizers and the tests labeled slow (whole cases); --long adds
+# those labeled long.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 leave_out=(-LE '^long$')
+sanitize=1
 case "${1:-}" in
     "") ;;
-    --quick) leave_out=(-LE '^(long|slow)$') ;;
+    --quick)
+        leave_out=(-LE '^(long|slow)$')
+        sanitize=0
+        ;;
     --long) leave_out=() ;;
-    -h | --help) sed -n '2,3s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;;
     *) echo "scripts/test.sh knows --quick and --long, but got: $1" >&2; exit 2 ;;
 esac
 
 scripts/setup.sh --tests
+if ((sanitize)); then
+    build=build-sanitize
+    [[ -f $build/build.ninja ]] || cmake -S . -B "$build" -G Ninja -DUNDERTOW_SANITIZE=ON >/dev/null
+    cmake --build "$build" --target unit_tests
+    # a physics test of minutes under sanitizers finds no more than one of seconds
+    ctest --test-dir "$build" --output-on-failure -j2 -LE '^(long|slow)$' -E 'at rest|rearranges|as quiet as'
+fi
 exec ctest --test-dir "${UNDERTOW_BUILD:-build}" --output-on-failure -j2 "${leave_out[@]}"
