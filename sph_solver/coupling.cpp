@@ -1,6 +1,7 @@
 #include "sph_solver/coupling.hpp"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "case/time_step.hpp"
@@ -60,7 +61,8 @@ class CoupledLink : public Link {
         for (const Fluid& fluid : input.sph.fluid) mesh.groups.push_back(fluid.name);
         mesh.radius = 0.5 * input.sph.spacing;
         participant_.announce(std::move(mesh));
-        boxes_ = participant_.wait_surface().boxes;
+        surface_ = participant_.wait_surface();
+        boxes_ = surface_->boxes;
         log_info("joined the coupler at " + endpoint);
     }
 
@@ -73,7 +75,11 @@ class CoupledLink : public Link {
 
     StepOrder wait(FluidSystem& fluid) override {
         wire::StepReply reply = participant_.wait_reply();
-        if (reply.surface) boxes_ = std::move(reply.surface->boxes);
+        if (reply.surface) {
+            surface_ = std::move(*reply.surface);
+            boxes_ = surface_->boxes;
+        }
+        if (surface_) show_surface(fluid);
         if (reply.active) take_active(*reply.active, fluid);
         StepOrder order;
         if (reply.finish) {
@@ -153,6 +159,12 @@ class CoupledLink : public Link {
         participant_.send(std::move(state));
     }
 
+    void show_surface(FluidSystem& fluid) {
+        for (std::size_t k = 1; k < surface_->x.size(); k += 3) surface_->x[k] -= middle_;
+        fluid.place_surface(std::move(surface_->quad), std::move(surface_->x));
+        surface_.reset();
+    }
+
     void take_active(const wire::Active& active, FluidSystem& fluid) {
         active_.clear();
         for (const std::uint32_t row : active.row) active_.push_back(candidates_.at(row));
@@ -177,6 +189,7 @@ class CoupledLink : public Link {
     bool flat_;
     double middle_;                      // [m] out-of-plane position that the coupler sees in 2D
     std::vector<double> boxes_;          // [m] (B, 6)
+    std::optional<wire::Surface> surface_;   // news for the fluid
     bool probe_ = true;
     std::vector<std::int64_t> candidates_;   // identities in the order of the last PROBE
     std::vector<std::int64_t> active_;       // identities in the order of STATE and FORCE

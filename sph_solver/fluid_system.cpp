@@ -39,6 +39,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       spacing_(input.sph.spacing),
       mirror_(input.sph.plane),
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
+      with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain) {
     particles = fill_particles(input, physics_.fluid);
     plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
@@ -65,6 +66,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
     find_rubbing();
+    surface_.expire();
     reach_ = 0;
     ++rebuilds_;
     return true;
@@ -225,6 +227,17 @@ void FluidSystem::add_wall_friction() {
         particles.ay[i] -= static_cast<float>(deceleration * uy);
         particles.az[i] -= static_cast<float>(deceleration * uz);
     }
+}
+
+void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
+    if (with_surface_images_) surface_.place(std::move(quad), std::move(x));
+}
+
+void FluidSystem::sum_over_neighbors(Terms terms) {
+    undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
+    if (!surface_.placed()) return;
+    if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_);
+    surface_.add(physics_, neighbors_, terms, particles);
 }
 
 void FluidSystem::advance_density(double dt) {

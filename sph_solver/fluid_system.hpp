@@ -8,6 +8,7 @@
 #include "case/case.hpp"
 #include "sph_solver/boundary/mirror_planes.hpp"
 #include "sph_solver/boundary/plates.hpp"
+#include "sph_solver/boundary/surface_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
@@ -40,10 +41,8 @@ class FluidSystem {
     bool refresh_neighbors(double t);
     /// Packs positions, velocities, volumes and pressures of fluid, plates and images at time t.
     void pack(double t);
-    /// Sums over neighbors: rates, forces or both.
-    void sum_over_neighbors(Terms terms) {
-        undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
-    }
+    /// Sums over neighbors and over the images behind the coupled surface: rates, forces or both.
+    void sum_over_neighbors(Terms terms);
     /// Adds the shear stress of no-slip walls to the accelerations just summed.
     void add_wall_friction();
     /// rho += dt * D (two-pass: D just summed).
@@ -57,6 +56,10 @@ class FluidSystem {
     /// Index of a particle by identity, -1 if it was removed.
     int index_of(std::int64_t id) const { return index_[id]; }
 
+    /// Where the coupled surface is, see SurfaceImages::place; without effect when the case switches
+    /// its images off.
+    void place_surface(std::vector<std::int32_t> quad, std::vector<double> x);
+
     // ---- what others want to know
     double reach() const { return reach_; }       // bound on displacement since the last rebuild [m]
     double travelled() const { return travelled_; }   // the same since the start [m]
@@ -68,6 +71,7 @@ class FluidSystem {
     const Neighborhood& neighbors() const { return neighbors_; }
     const MirrorPlanes& mirror() const { return mirror_; }
     const std::vector<Removed>& removed() const { return removed_; }
+    const SurfaceImages& surface() const { return surface_; }
     std::int64_t put_back() const { return put_back_; }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
@@ -86,6 +90,8 @@ class FluidSystem {
     double spacing_;
     MirrorPlanes mirror_;
     Neighborhood neighbors_;
+    SurfaceImages surface_;
+    bool with_surface_images_;
     std::optional<Box> domain_;
     struct Rubbing {
         int particle, plane;

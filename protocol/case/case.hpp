@@ -94,6 +94,7 @@ struct SphSettings {
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
     bool gradient_correction = false;    // of the difference operators (continuity, diffusion)
+    bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
     double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator
     double force_cfl = 0.25;             // lambda' of Eq. 14

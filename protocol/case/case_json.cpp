@@ -90,6 +90,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"density_diffusion", v.density_diffusion},
          {"artificial_viscosity", v.artificial_viscosity},
          {"gradient_correction", v.gradient_correction},
+         {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},
          {"cfl", v.cfl},
          {"force_cfl", v.force_cfl},

@@ -150,6 +150,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
     reader.flag("gradient_correction", sph.gradient_correction);
+    reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},
                                {"one_pass", Integrator::one_pass},

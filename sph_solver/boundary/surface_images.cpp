@@ -1,0 +1,273 @@
+#include "sph_solver/boundary/surface_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/candidates.hpp"
+#include "contact/facet.hpp"
+#include "contact/surface.hpp"
+#include "sph_solver/kernels/kernels.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+// Beyond a free edge or around a sharp one the surface is no mirror: there the direction to the
+// closest point departs from the facet's normal (cosine), or two particles' normals from each
+// other.
+constexpr double is_above = 0.9, same_wall = 0.7;
+
+double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+}  // namespace
+
+void SurfaceImages::place(std::vector<std::int32_t> quad, std::vector<double> x) {
+    quad_ = std::move(quad);
+    x_ = std::move(x);
+    stale_ = true;
+}
+
+void SurfaceImages::find_near(const Particles& particles, double range) {
+    near_.clear();
+    slot_.assign(particles.size(), -1);
+    double lo[3] = {1e300, 1e300, 1e300}, hi[3] = {-1e300, -1e300, -1e300};
+    for (const std::int32_t node : quad_)
+        for (int a = 0; a < 3; ++a) {
+            lo[a] = std::min(lo[a], x_[3 * std::size_t(node) + a] - range);
+            hi[a] = std::max(hi[a], x_[3 * std::size_t(node) + a] + range);
+        }
+    std::vector<int> inside;
+    std::vector<double> x, radius;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        const double at[3] = {particles.x[i], particles.y[i], particles.z[i]};
+        bool in = true;
+        for (int a = 0; a < 3; ++a) in = in && at[a] >= lo[a] && at[a] <= hi[a];
+        if (!in) continue;
+        inside.push_back(static_cast<int>(i));
+        x.insert(x.end(), at, at + 3);
+    }
+    radius.assign(inside.size(), range);
+    if (inside.empty()) return;
+
+    contact::Surface surface(quad_, std::vector<double>(x_.size() / 3, 1.0));
+    const std::vector<double> at_rest(x_.size(), 0.0);
+    surface.move(x_, at_rest);
+    contact::FacetCells cells;
+    contact::CandidateList found;
+    // the search asks for positions and radii only
+    cells.search({.x = x, .v = x, .mass = radius, .radius = radius, .stiffness = radius, .id = {}},
+                 surface, 0, found);
+    for (std::size_t c = 0; c < found.row.size(); ++c) {
+        const contact::Vec at = contact::Vec::Map(&x[3 * std::size_t(found.row[c])]);
+        contact::Foot best;
+        best.distance = range;
+        bool hit = false;
+        for (std::uint32_t f = found.start[c]; f < found.start[c + 1]; ++f) {
+            const contact::Foot foot = contact::closest_point(at, surface.shape(found.facet[f]));
+            if (!(foot.distance < best.distance)) continue;
+            best = foot, hit = true;
+        }
+        if (!hit || !(best.offset.dot(best.normal) > is_above * best.distance)) continue;
+        // across a seam the direction to the foot turns from one facet's normal to the next one's
+        const contact::Vec n = best.offset / best.distance, foot = at - best.offset;
+        Near near{};
+        near.particle = inside[found.row[c]];
+        for (int a = 0; a < 3; ++a) near.point[a] = foot[a], near.normal[a] = n[a];
+        slot_[near.particle] = static_cast<int>(near_.size());
+        near_.push_back(near);
+    }
+}
+
+void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& neighbors,
+                               double spacing) {
+    stale_ = false;
+    spacing_ = spacing;
+    pairs_.clear();
+    const double reach = neighbors.support() + neighbors.skin();
+    // the other one of a pair is hardly nearer to the surface than a particle that touches
+    find_near(particles, reach - 0.4 * spacing);
+    const std::vector<Packed>& records = neighbors.records();
+    const std::vector<Extra>& extras = neighbors.extras();
+    const FixedPoint& fixed = neighbors.fixed();
+    const ClusterLists& lists = neighbors.fluid_lists();
+    const int n = neighbors.fluid_count();
+    const auto height = [&](const Near& k) {
+        const double d[3] = {particles.x[k.particle] - k.point[0],
+                             particles.y[k.particle] - k.point[1],
+                             particles.z[k.particle] - k.point[2]};
+        return dot(d, k.normal);
+    };
+    for (int a = 0; a < static_cast<int>(near_.size()); ++a) {
+        const Near& i = near_[a];
+        const int own = i.particle, cluster = own / lanes;
+        const double s_i = height(i);
+        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+            const bool mirrored = *at >= n;
+            if (mirrored && extras[*at - n].from_plate) continue;
+            const int source = mirrored ? extras[*at - n].source : *at;
+            const int b = slot_[source];
+            if (b < 0 || (!mirrored && b < a)) continue;  // each pair once
+            const Near& j = near_[b];
+            if (dot(i.normal, j.normal) < same_wall) continue;
+            const double d[3] = {double(records[own].x - records[*at].x) * fixed.unit,
+                                 double(records[own].y - records[*at].y) * fixed.unit,
+                                 double(records[own].z - records[*at].z) * fixed.unit};
+            if (mirrored) {  // at a plane that crosses the surface, not at one along it
+                const double shift[3] = {(records[source].x - records[*at].x) * fixed.unit,
+                                         (records[source].y - records[*at].y) * fixed.unit,
+                                         (records[source].z - records[*at].z) * fixed.unit};
+                if (std::abs(dot(shift, i.normal)) > 0.1 * std::sqrt(dot(shift, shift))) continue;
+            }
+            const double s = s_i + height(j), dn = dot(d, i.normal);
+            if (dot(d, d) - dn * dn + s * s < reach * reach)
+                pairs_.push_back({a, b, mirrored ? *at : -1});
+        }
+    }
+}
+
+/// A particle that touches backs itself. Another one is backed by the touching ones around it,
+/// weight W_it; one of them a spacing away backs it fully.
+template <class KernelLaw>
+void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
+    for (Near& k : near_) {
+        const int i = k.particle;
+        const double d[3] = {p.x[i] - k.point[0], p.y[i] - k.point[1], p.z[i] - k.point[2]};
+        k.distance = dot(d, k.normal);
+        k.touches = p.fx[i] != 0 || p.fy[i] != 0 || p.fz[i] != 0;
+        k.weight = k.wall_speed = 0;
+        k.rate = k.push = k.a[0] = k.a[1] = k.a[2] = 0;
+    }
+    const auto lean = [&](Near& on, const Near& touching, double w) {
+        const int t = touching.particle;
+        on.weight += w;
+        on.wall_speed +=
+            w * (p.vx[t] * on.normal[0] + p.vy[t] * on.normal[1] + p.vz[t] * on.normal[2]);
+    };
+    for (const Pair& pair : pairs_) {
+        Near &i = near_[pair.a], &j = near_[pair.b];
+        if (pair.record >= 0 || i.touches == j.touches) continue;
+        const int a = i.particle, b = j.particle;
+        const double w =
+            kernel.value(std::hypot(p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]));
+        i.touches ? lean(j, i, w) : lean(i, j, w);
+    }
+    const double full = kernel.value(spacing_);
+    for (Near& k : near_) {
+        if (k.touches) {
+            k.backing = 1;
+            k.wall_speed = 0;
+            lean(k, k, 1);
+        } else {
+            k.backing = std::min(1.0, k.weight / full);
+            if (k.weight > 0) k.wall_speed /= k.weight;
+        }
+    }
+}
+
+/// The pair terms of pair_terms.hpp between i and j', the pressure of the image continued
+/// hydrostatically.
+template <class KernelLaw>
+void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kernel,
+                              const Neighborhood& neighbors, const Particles& p) {
+    const FluidLaw& fluid = physics.fluid;
+    const FixedPoint& fixed = neighbors.fixed();
+    const std::vector<Packed>& records = neighbors.records();
+    const double h = physics.h, mass = fluid.rho0 * fluid.volume;
+    const double shock = physics.artificial_viscosity * h * fluid.c0 * fluid.rho0;  // [Pa s]
+    const double diffusive = 2 * physics.density_diffusion * h / fluid.c0;
+    const double g[3] = {fluid.rho0 * physics.gravity[0], fluid.rho0 * physics.gravity[1],
+                         fluid.rho0 * physics.gravity[2]};
+    for (const Pair& pair : pairs_) {
+        Near &i = near_[pair.a], &j = near_[pair.b];
+        const double backing = i.backing * j.backing;
+        if (!(backing > 0)) continue;
+        const int a = i.particle, b = j.particle;
+        const bool mirrored = pair.record >= 0;
+        double n[3] = {i.normal[0], i.normal[1], i.normal[2]};
+        double d[3] = {p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]};
+        double v[3] = {p.vx[a] - p.vx[b], p.vy[a] - p.vy[b], p.vz[a] - p.vz[b]};
+        const double v_a[3] = {p.vx[a], p.vy[a], p.vz[a]};
+        if (mirrored) {
+            const Packed& q = records[pair.record];
+            d[0] = p.x[a] - fixed.x0 - q.x * fixed.unit;
+            d[1] = p.y[a] - fixed.y0 - q.y * fixed.unit;
+            d[2] = p.z[a] - fixed.z0 - q.z * fixed.unit;
+            v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
+        } else {  // the same normal for (i, j') and (j, i')
+            for (int c = 0; c < 3; ++c) n[c] += j.normal[c];
+            const double length = std::sqrt(dot(n, n));
+            for (double& component : n) component /= length;
+        }
+        const double dn = dot(d, n), vn = dot(v, n), s = i.distance + j.distance;
+        double along[3], slip[3];  // parts of x_ij and v_ij in the tangent plane
+        for (int c = 0; c < 3; ++c) along[c] = d[c] - dn * n[c], slip[c] = v[c] - vn * n[c];
+        const double r2 = dot(along, along) + s * s;
+        if (r2 >= 4 * h * h) continue;
+        const double F = backing * kernel.scale() *
+                         KernelLaw::template gradient_factor<double, double>(r2, 1 / h);
+        const double V_i = records[a].volume, V_j = records[b].volume;
+        // v_i + v_j along n, both seen from the wall
+        const double closing = 2 * dot(v_a, n) - vn - i.wall_speed - j.wall_speed;
+        const double approach = dot(slip, along) + closing * s;
+        const double spread = F * approach, level = F * diffusive * (p.p[b] - p.p[a] + dot(g, d));
+        const double viscous = -shock * std::min(0.0, approach) / r2, laminar = 2 * fluid.mu * F;
+        const double mean = p.p[a] + p.p[b] + viscous, gn = dot(g, n);
+        const double per_mass = V_i * V_j / mass;
+        // normal: P_i = p_i + p_j - 2 s_j rho0 g.n, of the image; along the wall their mean, so
+        // that the two forces cancel
+        const double P = mean - s * gn;
+        const auto give = [&](Near& k, double sign, double own, double other, double s_other,
+                              double level_k) {
+            k.rate += other * (-(mass / own) * spread + level_k);
+            for (int c = 0; c < 3; ++c)
+                k.a[c] += sign * per_mass * (F * P * along[c] - laminar * slip[c]);
+            k.push += per_mass * (F * (mean - 2 * s_other * gn) * s - laminar * closing);
+        };
+        give(i, 1, V_i, V_j, j.distance, level);
+        if (!mirrored && a != b) give(j, -1, V_j, V_i, i.distance, -level);
+    }
+}
+
+template <class KernelLaw>
+void SurfaceImages::add_reactions(const KernelLaw& kernel, const Particles& p) {
+    for (const Pair& pair : pairs_) {
+        Near &i = near_[pair.a], &j = near_[pair.b];
+        if (pair.record >= 0 || i.touches == j.touches) continue;
+        Near &pushed = i.touches ? j : i, &touching = i.touches ? i : j;
+        const int a = i.particle, b = j.particle;
+        const double w =
+            kernel.value(std::hypot(p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]));
+        if (!(w > 0)) continue;
+        for (int c = 0; c < 3; ++c)
+            touching.a[c] -= w / pushed.weight * pushed.push * pushed.normal[c];
+    }
+    for (Near& k : near_)
+        if (!k.touches)
+            for (int c = 0; c < 3; ++c) k.a[c] += k.push * k.normal[c];
+}
+
+void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
+                        Particles& particles) {
+    if (pairs_.empty()) return;
+    const auto sum = [&](const auto& kernel) {
+        find_backing(kernel, particles);
+        add_pairs(physics, kernel, neighbors, particles);
+        if (terms != Terms::rate) add_reactions(kernel, particles);
+    };
+    if (physics.kernel == Kernel::wendland_c2)
+        sum(WendlandC2(physics.h, physics.dimension));
+    else
+        sum(CubicSpline(physics.h, physics.dimension));
+    for (const Near& k : near_) {
+        const int i = k.particle;
+        if (terms != Terms::force) particles.drho_dt[i] += static_cast<float>(k.rate);
+        if (terms == Terms::rate) continue;
+        particles.ax[i] += static_cast<float>(k.a[0]);
+        particles.ay[i] += static_cast<float>(k.a[1]);
+        particles.az[i] += static_cast<float>(k.a[2]);
+    }
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,83 @@
+#pragma once
+// The kernel completed at the coupled surface. Contact pushes the particles that touch it, and only
+// them; what the layers behind miss of their kernel is added here, as if the surface were a mirror.
+//
+// A particle that touches is the wall to those behind it:
+//   - the pressure of the images on a particle that does not touch is its own to keep, and the
+//     reaction goes to the touching particles around it: momentum is conserved exactly, and the
+//     force on the surface remains the contact force;
+//   - a particle that touches carries its own reaction: the images add nothing normal to the
+//   surface;
+//   - the images move as in a mirror that has the normal velocity of those touching particles. The
+//     work of the forces is then that of the density rates: no energy is created, the surface's
+//     own motion need not be known, and a particle that arrives at a dry wall is not compressed by
+//     an image before it touches.
+// Images are evaluated pair by pair and never stored:
+//   x_i - x_j' = (x_i - x_j)_t + (s_i + s_j) n,   s distance from the surface, n its normal
+// which is symmetric in i and j, also along a curved surface.
+
+#include <cstdint>
+#include <vector>
+
+#include "sph_solver/boundary/mirror_planes.hpp"
+#include "sph_solver/neighbors/neighborhood.hpp"
+#include "sph_solver/particles.hpp"
+#include "sph_solver/physics/pair_sums.hpp"
+
+namespace undertow::sph {
+
+class SurfaceImages {
+ public:
+    /// Facets (F, 4), counter-clockwise seen from the fluid, a triangle repeats its third node;
+    /// x (N, 3) [m] in the particles' coordinates.
+    void place(std::vector<std::int32_t> quad, std::vector<double> x);
+
+    /// Finds the particles near the surface and the pairs (i, j') within the support. To be called
+    /// when stale: lists were rebuilt or the surface was placed. spacing [m].
+    void find_pairs(const Particles& particles, const Neighborhood& neighbors, double spacing);
+    bool placed() const { return !quad_.empty(); }
+    bool stale() const { return stale_; }
+    void expire() { stale_ = true; }  // lists were rebuilt
+    std::size_t pairs() const { return pairs_.size(); }
+
+    /// Adds to particles.drho_dt, ax, ay, az. Records must be packed; particles with a contact
+    /// acceleration (fx, fy, fz) are those that touch.
+    void add(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
+             Particles& particles);
+
+ private:
+    /// A particle near the surface and its closest facet's plane.
+    struct Near {
+        int particle;
+        double point[3], normal[3];  // [m], [-]
+        bool touches;
+        double distance;          // s [m]
+        double backing;           // 0 (no touching particle around) to 1
+        double wall_speed;        // normal velocity of the touching particles [m/s]
+        double weight;            // sum of their kernel values [1/m^d]
+        double rate, a[3], push;  // results: [kg/m3/s], [m/s2], along the normal [m/s2]
+    };
+    /// j' is the image of near particle b, or of its mirror image `record` at a plane (-1 = none).
+    struct Pair {
+        int a, b, record;
+    };
+
+    void find_near(const Particles& particles, double range);
+    template <class KernelLaw>
+    void find_backing(const KernelLaw& kernel, const Particles& particles);
+    template <class KernelLaw>
+    void add_pairs(const PairPhysics& physics, const KernelLaw& kernel,
+                   const Neighborhood& neighbors, const Particles& particles);
+    template <class KernelLaw>
+    void add_reactions(const KernelLaw& kernel, const Particles& particles);
+
+    std::vector<std::int32_t> quad_;
+    std::vector<double> x_;
+    std::vector<Near> near_;
+    std::vector<int> slot_;  // particle -> index in near_, -1 = far
+    std::vector<Pair> pairs_;
+    double spacing_ = 0;  // [m]
+    bool stale_ = false;
+};
+
+}  // namespace undertow::sph

@@ -1,0 +1,135 @@
+#include <catch2/catch.hpp>
+
+#include "scenes.hpp"
+
+using namespace undertow;
+using namespace undertow::sph;
+
+namespace {
+
+/// A floor of two by two quads over the basin, at z = 0, seen from above.
+void lay_floor(FluidSystem& fluid, const Vec3& size) {
+    std::vector<double> x;
+    for (int iy = 0; iy < 3; ++iy)
+        for (int ix = 0; ix < 3; ++ix) x.insert(x.end(), {ix * size[0] / 2, iy * size[1] / 2, 0.0});
+    fluid.place_surface({0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7}, x);
+}
+
+constexpr double dx = 0.01;
+const Vec3 size{0.08, 0.08, 0.10};
+
+/// A basin; its floor is a mirror plane or a coupled surface that the lowest layer touches.
+FluidSystem basin(bool of_facets, bool sides = true, double gravity = -9.81) {
+    Case input = scenes::water_box(dx, size);
+    input.info.gravity = {0, 0, gravity};
+    input.sph.max_speed = 3;
+    scenes::add_basin(input, size);
+    if (!sides) input.sph.plane.resize(1);
+    if (of_facets) input.sph.plane.erase(input.sph.plane.begin());
+    input.sph.artificial_viscosity = 0.1;
+    FluidSystem fluid(input, 0.2);
+    if (of_facets) lay_floor(fluid, size);
+    scenes::disturb(fluid, 0.05, 0.1, 500);
+    return fluid;
+}
+
+void touch(FluidSystem& fluid) {
+    for (std::size_t i = 0; i < fluid.particles.size(); ++i)
+        fluid.particles.fz[i] = fluid.particles.z[i] < dx ? 1 : 0;
+}
+
+void sum(FluidSystem& fluid) {
+    fluid.refresh_neighbors(0);
+    touch(fluid);
+    fluid.pack(0);
+    fluid.sum_over_neighbors(Terms::both);
+}
+
+/// Makes the touching layer stand still across the floor.
+void hold_first_layer(FluidSystem& fluid) {
+    for (std::size_t i = 0; i < fluid.particles.size(); ++i)
+        if (fluid.particles.z[i] < dx) fluid.particles.vz[i] = 0;
+}
+
+}  // namespace
+
+TEST_CASE("behind a flat surface the images are those of a mirror plane") {
+    const double gravity = GENERATE(-9.81, 0);
+    FluidSystem plane = basin(false, true, gravity), facets = basin(true, true, gravity);
+    hold_first_layer(plane);
+    hold_first_layer(facets);
+    sum(plane);
+    sum(facets);
+    const Particles &p = plane.particles, &f = facets.particles;
+    double rate = 0, along = 0, across = 0, largest_rate = 0, largest_a = 0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+        const int i = plane.index_of(std::int64_t(a)), k = facets.index_of(std::int64_t(a));
+        largest_rate = std::max(largest_rate, double(std::abs(p.drho_dt[i])));
+        largest_a = std::max(largest_a, double(std::abs(p.az[i])));
+        rate = std::max(rate, double(std::abs(p.drho_dt[i] - f.drho_dt[k])));
+        along = std::max(along, double(std::hypot(p.ax[i] - f.ax[k], p.ay[i] - f.ay[k])));
+        // what touches carries reactions instead
+        if (p.z[i] > dx) across = std::max(across, double(std::abs(p.az[i] - f.az[k])));
+    }
+    CHECK(rate < 1e-5 * largest_rate);  // float32 sums in another order
+    // along the wall a pair's hydrostatic parts are averaged, so that its two forces cancel
+    if (gravity == 0) CHECK(along < 1e-4 * largest_a);  // 14-bit reciprocal of the viscosity
+    CHECK(across < 1e-4 * largest_a);
+}
+
+TEST_CASE("the images behind a surface leave the momentum of the fluid unchanged") {
+    FluidSystem with = basin(true, false), without = basin(true, false);
+    without.place_surface({}, {});
+    sum(with);
+    sum(without);
+    REQUIRE(with.surface().pairs() > 0);
+    const Particles &a = with.particles, &b = without.particles;
+    double change[3] = {0, 0, 0}, largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        change[0] += double(a.ax[i]) - b.ax[i];
+        change[1] += double(a.ay[i]) - b.ay[i];
+        change[2] += double(a.az[i]) - b.az[i];
+        largest += std::hypot(a.ax[i] - b.ax[i], a.ay[i] - b.ay[i], a.az[i] - b.az[i]);
+    }
+    REQUIRE(largest > 100);  // [m/s2] they do act
+    for (const double component : change) CHECK(std::abs(component) < 1e-6 * largest);  // float32
+}
+
+TEST_CASE("the work of the images' forces is that of their density rates") {
+    // sum m v.a + sum V p (1/rho) d(rho)/dt = 0 without gravity, viscosity and diffusion
+    Case input = scenes::water_box(dx, size);
+    input.info.gravity = {0, 0, 0};
+    input.sph.max_speed = 1;
+    input.sph.artificial_viscosity = input.sph.density_diffusion = 0;
+    input.sph.fluid[0].viscosity = 0;
+    FluidSystem with(input, 0.2), without(input, 0.2);
+    for (FluidSystem* fluid : {&with, &without}) scenes::disturb(*fluid, 0.05, 0.1, 500);
+    lay_floor(with, size);
+    sum(with);
+    sum(without);
+    double kinetic = 0, stored = 0;
+    const Particles &a = with.particles, &b = without.particles;
+    const double mass = with.fluid().mass, rho0 = with.fluid().rho0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        kinetic += mass * (a.vx[i] * (a.ax[i] - b.ax[i]) + a.vy[i] * (a.ay[i] - b.ay[i]) +
+                           a.vz[i] * (a.az[i] - b.az[i]));
+        const double rho = rho0 + a.drho[i];
+        stored += mass * a.p[i] / (rho * rho) * (a.drho_dt[i] - b.drho_dt[i]);
+    }
+    REQUIRE(std::abs(kinetic) > 1e-6);                                      // [W]
+    CHECK(kinetic + stored == Approx(0).margin(1e-4 * std::abs(kinetic)));  // float32 sums
+}
+
+TEST_CASE("a dry surface has no images: what arrives is not compressed before it touches") {
+    FluidSystem near = basin(true), far = basin(true);
+    far.place_surface({}, {});
+    for (FluidSystem* fluid : {&near, &far}) {
+        fluid->refresh_neighbors(0);
+        fluid->pack(0);
+        fluid->sum_over_neighbors(Terms::both);
+    }
+    for (std::size_t i = 0; i < near.particles.size(); ++i) {
+        REQUIRE(near.particles.drho_dt[i] == far.particles.drho_dt[i]);
+        REQUIRE(near.particles.az[i] == far.particles.az[i]);
+    }
+}
