@@ -121,8 +121,14 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
                 if (std::abs(dot(shift, i.normal)) > 0.1 * std::sqrt(dot(shift, shift))) continue;
             }
             const double s = s_i + height(j), dn = dot(d, i.normal);
-            if (dot(d, d) - dn * dn + s * s < reach * reach)
-                pairs_.push_back({a, b, mirrored ? *at : -1});
+            if (dot(d, d) - dn * dn + s * s >= reach * reach) continue;
+            Pair pair{a, b, mirrored ? *at : -1, {i.normal[0], i.normal[1], i.normal[2]}, 0};
+            if (!mirrored) {
+                for (int c = 0; c < 3; ++c) pair.n[c] += j.normal[c];
+                const double length = std::sqrt(dot(pair.n, pair.n));
+                for (double& component : pair.n) component /= length;
+            }
+            pairs_.push_back(pair);
         }
     }
 }
@@ -145,13 +151,14 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
         on.wall_speed +=
             w * (p.vx[t] * on.normal[0] + p.vy[t] * on.normal[1] + p.vz[t] * on.normal[2]);
     };
-    for (const Pair& pair : pairs_) {
+    for (Pair& pair : pairs_) {
         Near &i = near_[pair.a], &j = near_[pair.b];
+        pair.lean = 0;
         if (pair.record >= 0 || i.touches == j.touches) continue;
         const int a = i.particle, b = j.particle;
-        const double w =
-            kernel.value(std::hypot(p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]));
-        i.touches ? lean(j, i, w) : lean(i, j, w);
+        const double d[3] = {p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]};
+        pair.lean = kernel.value(std::sqrt(dot(d, d)));
+        i.touches ? lean(j, i, pair.lean) : lean(i, j, pair.lean);
     }
     const double full = kernel.value(spacing_);
     for (Near& k : near_) {
@@ -174,7 +181,12 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     const FluidLaw& fluid = physics.fluid;
     const FixedPoint& fixed = neighbors.fixed();
     const std::vector<Packed>& records = neighbors.records();
-    const double h = physics.h, mass = fluid.rho0 * fluid.volume;
+    const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale();
+    const double mass = fluid.rho0 * fluid.volume, inverse_mass = 1 / mass;
+    for (Near& k : near_) {
+        k.volume = records[k.particle].volume;
+        k.density = mass / k.volume;
+    }
     const double shock = physics.artificial_viscosity * h * fluid.c0 * fluid.rho0;  // [Pa s]
     const double diffusive = 2 * physics.density_diffusion * h / fluid.c0;
     const double g[3] = {fluid.rho0 * physics.gravity[0], fluid.rho0 * physics.gravity[1],
@@ -185,63 +197,58 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         if (!(backing > 0)) continue;
         const int a = i.particle, b = j.particle;
         const bool mirrored = pair.record >= 0;
-        double n[3] = {i.normal[0], i.normal[1], i.normal[2]};
+        const double* n = pair.n;
         double d[3] = {p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]};
-        double v[3] = {p.vx[a] - p.vx[b], p.vy[a] - p.vy[b], p.vz[a] - p.vz[b]};
-        const double v_a[3] = {p.vx[a], p.vy[a], p.vz[a]};
         if (mirrored) {
             const Packed& q = records[pair.record];
             d[0] = p.x[a] - fixed.x0 - q.x * fixed.unit;
             d[1] = p.y[a] - fixed.y0 - q.y * fixed.unit;
             d[2] = p.z[a] - fixed.z0 - q.z * fixed.unit;
-            v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
-        } else {  // the same normal for (i, j') and (j, i')
-            for (int c = 0; c < 3; ++c) n[c] += j.normal[c];
-            const double length = std::sqrt(dot(n, n));
-            for (double& component : n) component /= length;
         }
-        const double dn = dot(d, n), vn = dot(v, n), s = i.distance + j.distance;
+        const double dn = dot(d, n), s = i.distance + j.distance;
+        const double r2 = dot(d, d) - dn * dn + s * s;
+        if (r2 >= 4 * h * h) continue;
+        const double v_a[3] = {p.vx[a], p.vy[a], p.vz[a]};
+        double v[3] = {p.vx[a] - p.vx[b], p.vy[a] - p.vy[b], p.vz[a] - p.vz[b]};
+        if (mirrored) {
+            const Packed& q = records[pair.record];
+            v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
+        }
+        const double vn = dot(v, n);
         double along[3], slip[3];  // parts of x_ij and v_ij in the tangent plane
         for (int c = 0; c < 3; ++c) along[c] = d[c] - dn * n[c], slip[c] = v[c] - vn * n[c];
-        const double r2 = dot(along, along) + s * s;
-        if (r2 >= 4 * h * h) continue;
-        const double F = backing * kernel.scale() *
-                         KernelLaw::template gradient_factor<double, double>(r2, 1 / h);
-        const double V_i = records[a].volume, V_j = records[b].volume;
+        const double F =
+            backing * scale * KernelLaw::template gradient_factor<double, double>(r2, inverse_h);
         // v_i + v_j along n, both seen from the wall
         const double closing = 2 * dot(v_a, n) - vn - i.wall_speed - j.wall_speed;
         const double approach = dot(slip, along) + closing * s;
         const double spread = F * approach, level = F * diffusive * (p.p[b] - p.p[a] + dot(g, d));
-        const double viscous = -shock * std::min(0.0, approach) / r2, laminar = 2 * fluid.mu * F;
+        const double viscous = approach < 0 ? -shock * approach / r2 : 0,
+                     laminar = 2 * fluid.mu * F;
         const double mean = p.p[a] + p.p[b] + viscous, gn = dot(g, n);
-        const double per_mass = V_i * V_j / mass;
+        const double per_mass = i.volume * j.volume * inverse_mass;
         // normal: P_i = p_i + p_j - 2 s_j rho0 g.n, of the image; along the wall their mean, so
         // that the two forces cancel
         const double P = mean - s * gn;
-        const auto give = [&](Near& k, double sign, double own, double other, double s_other,
-                              double level_k) {
-            k.rate += other * (-(mass / own) * spread + level_k);
+        const auto give = [&](Near& k, double sign, const Near& other, double level_k) {
+            k.rate += other.volume * (level_k - k.density * spread);
             for (int c = 0; c < 3; ++c)
                 k.a[c] += sign * per_mass * (F * P * along[c] - laminar * slip[c]);
-            k.push += per_mass * (F * (mean - 2 * s_other * gn) * s - laminar * closing);
+            k.push += per_mass * (F * (mean - 2 * other.distance * gn) * s - laminar * closing);
         };
-        give(i, 1, V_i, V_j, j.distance, level);
-        if (!mirrored && a != b) give(j, -1, V_j, V_i, i.distance, -level);
+        give(i, 1, j, level);
+        if (!mirrored && a != b) give(j, -1, i, -level);
     }
 }
 
-template <class KernelLaw>
-void SurfaceImages::add_reactions(const KernelLaw& kernel, const Particles& p) {
+/// -g_i to the touching particles, by their weights.
+void SurfaceImages::add_reactions() {
     for (const Pair& pair : pairs_) {
+        if (!(pair.lean > 0)) continue;
         Near &i = near_[pair.a], &j = near_[pair.b];
-        if (pair.record >= 0 || i.touches == j.touches) continue;
         Near &pushed = i.touches ? j : i, &touching = i.touches ? i : j;
-        const int a = i.particle, b = j.particle;
-        const double w =
-            kernel.value(std::hypot(p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]));
-        if (!(w > 0)) continue;
-        for (int c = 0; c < 3; ++c)
-            touching.a[c] -= w / pushed.weight * pushed.push * pushed.normal[c];
+        const double share = pair.lean / pushed.weight * pushed.push;
+        for (int c = 0; c < 3; ++c) touching.a[c] -= share * pushed.normal[c];
     }
     for (Near& k : near_)
         if (!k.touches)
@@ -254,7 +261,7 @@ void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbor
     const auto sum = [&](const auto& kernel) {
         find_backing(kernel, particles);
         add_pairs(physics, kernel, neighbors, particles);
-        if (terms != Terms::rate) add_reactions(kernel, particles);
+        if (terms != Terms::rate) add_reactions();
     };
     if (physics.kernel == Kernel::wendland_c2)
         sum(WendlandC2(physics.h, physics.dimension));

@@ -54,12 +54,15 @@ class SurfaceImages {
         double distance;          // s [m]
         double backing;           // 0 (no touching particle around) to 1
         double wall_speed;        // normal velocity of the touching particles [m/s]
+        double volume, density;   // [m^d], [kg/m3]
         double weight;            // sum of their kernel values [1/m^d]
         double rate, a[3], push;  // results: [kg/m3/s], [m/s2], along the normal [m/s2]
     };
     /// j' is the image of near particle b, or of its mirror image `record` at a plane (-1 = none).
     struct Pair {
         int a, b, record;
+        double n[3];  // the same normal for (i, j') and (j, i')
+        double lean;  // W_ab if one of them touches and the other does not, else 0 [1/m^d]
     };
 
     void find_near(const Particles& particles, double range);
@@ -68,8 +71,7 @@ class SurfaceImages {
     template <class KernelLaw>
     void add_pairs(const PairPhysics& physics, const KernelLaw& kernel,
                    const Neighborhood& neighbors, const Particles& particles);
-    template <class KernelLaw>
-    void add_reactions(const KernelLaw& kernel, const Particles& particles);
+    void add_reactions();
 
     std::vector<std::int32_t> quad_;
     std::vector<double> x_;

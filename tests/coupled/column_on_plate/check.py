@@ -63,7 +63,7 @@ def check(results):
     mean = (impulse[-1] - impulse[first]) / (t[-1] - t[first])
     assert abs(mean + WEIGHT) < 0.01 * WEIGHT, f"mean contact force {mean:.3f} N, weight {WEIGHT:.3f} N"
     # Newton: what the force exceeds the weight by is the water's momentum. Impulses stand at t + dt/2,
-    # velocities at t - dt/2: one step of 1200.
+    # velocities at t - dt/2: one step of 2000.
     missing = -mean - WEIGHT - gained / (t[-1] - t[first])
     assert abs(missing) < 2e-3 * WEIGHT, f"{missing:.4f} N between contact force, weight and momentum"
 
