@@ -65,6 +65,9 @@ bool FluidSystem::refresh_neighbors(double t) {
     neighbors_.rebuild(particles, plates, mirror_);
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
+    const FixedPoint& fixed = neighbors_.fixed();
+    const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
+    mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
     find_rubbing();
     surface_.expire();
     reach_ = 0;
@@ -76,9 +79,9 @@ void FluidSystem::pack(double t) {
 #pragma omp parallel
     {
         pack_fluid();
-        pack_extras(false);   // needs the pressures just set
+        pack_extras(false);   // from the records just packed
     }
-    if (plates.size() == 0) return;
+    if (neighbors_.plate_targets().empty()) return;   // no plate is near the fluid
     plates.move_to(t);
     extrapolate_to_plates(t);   // sees the fluid and its images
 #pragma omp parallel
@@ -115,6 +118,7 @@ void FluidSystem::pack_extras(bool of_plates) {
     const double mass = fluid.rho0 * fluid.volume;
     const double gx = fluid.rho0 * physics_.gravity[0], gy = fluid.rho0 * physics_.gravity[1],
                  gz = fluid.rho0 * physics_.gravity[2];
+    const Packed* fluid_records = neighbors_.records().data();
     Packed* records = neighbors_.records().data() + neighbors_.first_extra();
     const std::vector<Extra>& extras = neighbors_.extras();
     const int n = static_cast<int>(extras.size());
@@ -123,6 +127,22 @@ void FluidSystem::pack_extras(bool of_plates) {
         const int s = extras[e].source;
         const bool plate = extras[e].from_plate;
         if (plate != of_plates) continue;
+        const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
+        if (!plate && mirror.diagonal) {   // the usual tank: from record to record
+            const Packed from = fluid_records[s];
+            Packed& q = records[e];
+            q.x = mirror.sign[0] * from.x + mirror.offset[0];
+            q.y = mirror.sign[1] * from.y + mirror.offset[1];
+            q.z = mirror.sign[2] * from.z + mirror.offset[2];
+            q.volume = from.volume;
+            q.vx = static_cast<float>(mirror.sign[0]) * from.vx;
+            q.vy = static_cast<float>(mirror.sign[1]) * from.vy;
+            q.vz = static_cast<float>(mirror.sign[2]) * from.vz;
+            q.p = from.p + static_cast<float>(gx * fixed.unit) * static_cast<float>(q.x - from.x) +
+                  static_cast<float>(gy * fixed.unit) * static_cast<float>(q.y - from.y) +
+                  static_cast<float>(gz * fixed.unit) * static_cast<float>(q.z - from.z);
+            continue;
+        }
         const double x = plate ? plates.x[s] : particles.x[s];
         const double y = plate ? plates.y[s] : particles.y[s];
         const double z = plate ? plates.z[s] : particles.z[s];

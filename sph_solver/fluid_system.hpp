@@ -89,6 +89,7 @@ class FluidSystem {
     PairPhysics physics_;
     double spacing_;
     MirrorPlanes mirror_;
+    std::vector<FixedReflection> fixed_reflections_;   // [2^planes]
     Neighborhood neighbors_;
     SurfaceImages surface_;
     bool with_surface_images_;

@@ -90,6 +90,26 @@ void MirrorPlanes::images_of(double x, double y, double z, double range,
     }
 }
 
+void MirrorPlanes::to_fixed(const double origin[3], double unit,
+                            std::vector<FixedReflection>& table) const {
+    table.assign(table_.size(), {});
+    for (std::size_t mask = 0; mask < table_.size(); ++mask) {
+        const Reflection& r = table_[mask];
+        FixedReflection& f = table[mask];
+        f.diagonal = true;
+        for (int a = 0; a < 3; ++a) {
+            for (int b = 0; b < 3; ++b)
+                f.diagonal = f.diagonal && (a == b ? std::abs(r.m[a][b]) == 1 : r.m[a][b] == 0);
+            // x = origin + unit X on both sides of x' = m x + t; rounding moves the wall by 1e-9 m
+            const double offset = (r.m[a][a] * origin[a] + r.t[a] - origin[a]) / unit;
+            f.diagonal = f.diagonal && std::abs(offset) < 2e9;   // a plane far out of the scene
+            if (!f.diagonal) break;
+            f.sign[a] = r.m[a][a] > 0 ? 1 : -1;
+            f.offset[a] = static_cast<std::int32_t>(std::lrint(offset));
+        }
+    }
+}
+
 bool MirrorPlanes::put_back(double& x, double& y, double& z, double& vx, double& vy,
                             double& vz) const {
     bool behind = false;

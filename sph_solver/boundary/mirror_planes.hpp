@@ -20,6 +20,13 @@ struct Reflection {
     double m[3][3], t[3];   // [-], [m]
 };
 
+/// A reflection at axis-parallel planes in fixed-point coordinates: X' = sign X + offset, v' = sign v.
+struct FixedReflection {
+    bool diagonal = false;             // false: some plane is slanted, use Reflection
+    std::int32_t sign[3] = {1, 1, 1};
+    std::int32_t offset[3] = {0, 0, 0};   // [unit]
+};
+
 class MirrorPlanes {
  public:
     /// Throws InputError when two planes are neither parallel nor perpendicular.
@@ -39,6 +46,9 @@ class MirrorPlanes {
     void images_of(double x, double y, double z, double range, std::vector<PlaneMask>& masks) const;
 
     const Reflection& reflection(PlaneMask mask) const { return table_[mask]; }
+
+    /// The table of reflections for positions stored as (x - origin)/unit, [2^planes].
+    void to_fixed(const double origin[3], double unit, std::vector<FixedReflection>& table) const;
 
     /// A particle that got behind a wall is put back to its mirror position with its normal velocity
     /// reversed. Returns true if it was behind any wall.
