@@ -172,7 +172,8 @@ enum class FrictionLaw { coulomb, viscous };
 
 struct PressurePatch {                   // [[coupling.patch]] mean contact pressure over a patch
     std::string name;
-    Box box;                             // [m] contacts whose point lies in the box count
+    Box box;                             // [m] a contact counts by the share of its particle's
+                                         // 2 l0 footprint that lies in the box
     double area = 0;                     // [m2] the force is divided by it
     double window = 0;                   // [s] moving mean, stated in the file's header; 0 = raw steps
 };
