@@ -44,8 +44,6 @@ class Recorder {
     bool alone_;
     HistoryTimes row_times_;
     std::vector<SphGauge> gauges_;
-    std::vector<std::int64_t> next_gauge_;
-    std::vector<double> gauge_values_;
     ParticleFile fields_;
     std::unique_ptr<History> gauge_file_, force_file_;
     History energy_file_;

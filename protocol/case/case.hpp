@@ -83,7 +83,6 @@ struct SphGauge {                        // [[sph.gauge]]
     SphGaugeKind kind = SphGaugeKind::front;   // "front", "pressure", "water_level"
     Vec3 point{};                        // [m] pressure: where; water_level: its x, y
     Vec3 direction{1, 0, 0};             // front: which way it runs
-    double every = 0;                    // [s] 0 = output.history_every
 };
 
 struct SphSettings {
@@ -93,7 +92,6 @@ struct SphSettings {
     double smoothing_ratio = 1.2;        // h/dx; support radius 2h
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
-    bool gradient_correction = false;    // of the difference operators (continuity, diffusion)
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
     double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator

@@ -77,8 +77,6 @@ ResolvedCase resolve_case(const std::string& path, const CaseOptions& options) {
     if (reader.has_table("backend")) resolved.backend = *root.find("backend");
     if (reader.has_table("report")) resolved.report = *root.find("report");
     if (c.output.history_every == 0) c.output.history_every = c.time.end / 2000;
-    for (SphGauge& gauge : c.sph.gauge)
-        if (gauge.every == 0) gauge.every = c.output.history_every;
     return resolved;
 }
 

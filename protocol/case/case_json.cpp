@@ -79,8 +79,7 @@ void to_json(Json& j, const SphGauge& v) {
     j = {{"name", v.name},
          {"kind", name(v.kind)},
          {"point", v.point},
-         {"direction", v.direction},
-         {"every", v.every}};
+         {"direction", v.direction}};
 }
 
 void to_json(Json& j, const SphSettings& v) {
@@ -89,7 +88,6 @@ void to_json(Json& j, const SphSettings& v) {
          {"smoothing_ratio", v.smoothing_ratio},
          {"density_diffusion", v.density_diffusion},
          {"artificial_viscosity", v.artificial_viscosity},
-         {"gradient_correction", v.gradient_correction},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},
          {"cfl", v.cfl},

@@ -131,7 +131,6 @@ void read_gauge(TableReader& reader, SphGauge& gauge) {
     if (gauge.kind != SphGaugeKind::front) reader.require("point", "where it measures, [x, y, z]");
     reader.vector("point", gauge.point, "m");
     reader.direction("direction", gauge.direction);
-    reader.number("every", gauge.every, at_least(0, "s"));
 }
 
 }  // namespace
@@ -149,7 +148,6 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
-    reader.flag("gradient_correction", sph.gradient_correction);
     reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},

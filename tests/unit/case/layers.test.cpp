@@ -78,12 +78,12 @@ TEST_CASE("an override takes TOML values and bare words, and finds entries by na
     const Case c = read(
         plate, {.set = {"sph.kernel=cubic_spline", "sph.fluid.water.density=997",
                         "fem.material.0.poisson_ratio=0.25", "sph.fill.0.velocity=[0, 0, -2.5]",
-                        "sph.gradient_correction=true", "case.title=a = b"}});
+                        "sph.surface_images=false", "case.title=a = b"}});
     CHECK(c.sph.kernel == Kernel::cubic_spline);
     CHECK(c.sph.fluid[0].density == 997);
     CHECK(c.fem.material[0].poisson_ratio == 0.25);
     CHECK(c.sph.fill[0].velocity == Vec3{0, 0, -2.5});
-    CHECK(c.sph.gradient_correction);
+    CHECK_FALSE(c.sph.surface_images);
     CHECK(c.info.title == "a = b");
 }
 

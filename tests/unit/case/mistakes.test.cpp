@@ -33,8 +33,8 @@ const Mistake mistakes[] = {
     {"spacing = 0.1", "spacing = 0.1\nkernel = \"wendland_c3\"",
      "case.toml:7:10: sph.kernel = \"wendland_c3\" is not known: allowed are cubic_spline, "
      "wendland_c2; did you mean \"wendland_c2\"?"},
-    {"spacing = 0.1", "spacing = 0.1\ngradient_correction = 1",
-     "case.toml:7:23: sph.gradient_correction = 1 is an integer: true or false is expected."},
+    {"spacing = 0.1", "spacing = 0.1\nsurface_images = 1",
+     "case.toml:7:18: sph.surface_images = 1 is an integer: true or false is expected."},
     {"spacing = 0.1", "spacing = 0.1\ncfl = -0.1", "case.toml:7:7: sph.cfl = -0.1 is not allowed"},
     {"spacing = 0.1", "spacing = 0.1\ndomain = { min = [0, 0, 0], max = [1, 1, 0.5] }",
      "case.toml:13:7: sph.fill.0.box = {...} reaches out of sph.domain in z"},
