@@ -122,8 +122,8 @@ void Recorder::flush() {
     energy_file_.flush();
 }
 
-void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, bool two_pass,
-                             int threads, const std::string& ended) {
+void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int threads,
+                             const std::string& ended) {
     Summary s;
     const FluidLaw& law = fluid.fluid();
     s.set("ended", ended);
@@ -135,7 +135,7 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, bool
     s.set("sph.removed", static_cast<std::int64_t>(fluid.removed().size()));
     s.set("sph.put_back_behind_walls", fluid.put_back());
     s.set("sph.threads", static_cast<std::int64_t>(threads));
-    s.set("sph.integrator", two_pass ? "two_pass" : "one_pass");
+    s.set("sph.two_pass_share", f.steps ? double(f.two_pass_steps) / f.steps : 0);
     s.set("sph.particle_steps", f.particle_steps);
     s.set("sph.particle_steps_per_s", f.wall > 0 ? f.particle_steps / f.wall : 0);
     const double computing = f.wall - f.contact_wait - f.output;

@@ -16,7 +16,7 @@ namespace undertow::sph {
 struct RunFigures {
     double neighbors = 0, pack = 0, sums = 0, contact_wait = 0, move = 0, output = 0;   // [s]
     double wall = 0;                                   // [s]
-    std::int64_t steps = 0;
+    std::int64_t steps = 0, two_pass_steps = 0;
     double particle_steps = 0;
     double dt_min = 1e300, dt_sum = 0;                 // [s]
     double max_compression = 0, max_speed = 0;         // [-], [m/s]
@@ -30,8 +30,8 @@ class Recorder {
     void observe(double t, const FluidSystem& fluid);
     /// Particle fields at t.
     void write_fields(double t, const FluidSystem& fluid);
-    void write_summary(const RunFigures& figures, const FluidSystem& fluid, bool two_pass,
-                       int threads, const std::string& ended);
+    void write_summary(const RunFigures& figures, const FluidSystem& fluid, int threads,
+                       const std::string& ended);
     void flush();
     /// Magnitude of the latest force on the walls [N]; < 0 before the first.
     double wall_force() const { return wall_force_; }

@@ -33,10 +33,11 @@ class Stopwatch {
 };
 
 /// Two passes allow 2.7 times the step of one for 1.6 times its cost: best where the fluid limits the
-/// step. With a structure that wants far smaller steps, one pass does.
-bool choose_two_pass(const Case& input, bool alone) {
-    if (input.sph.integrator == Integrator::automatic) return alone;
-    return input.sph.integrator == Integrator::two_pass;
+/// step. Where a structure wants steps below half of what one pass bears, one pass does. Decided anew
+/// each step from the last agreed dt; the first step takes two.
+bool takes_two_passes(Integrator integrator, double last_dt, double one_pass_dt) {
+    if (integrator != Integrator::automatic) return integrator == Integrator::two_pass;
+    return last_dt == 0 || last_dt > 0.5 * one_pass_dt;
 }
 
 void check(const Health& health, double t, const FluidSystem& fluid) {
@@ -60,26 +61,27 @@ int run(const Case& input, const SolverOptions& options) {
     if (options.threads > 0) omp_set_num_threads(options.threads);
     const int threads = omp_get_max_threads();
 
-    const bool two_pass = choose_two_pass(input, alone);
-    FluidSystem fluid(input, two_pass ? 0.4 : 0.2);
+    const Integrator integrator = input.sph.integrator;
+    FluidSystem fluid(input, alone && integrator != Integrator::one_pass ? 0.4 : 0.2);
+    const double one_pass_cfl = default_cfl(Integrator::one_pass, input.sph.smoothing_ratio);
     const double cfl = input.sph.cfl > 0
                            ? input.sph.cfl
-                           : default_cfl(two_pass ? Integrator::two_pass : Integrator::one_pass,
+                           : default_cfl(integrator == Integrator::one_pass ? Integrator::one_pass
+                                                                        : Integrator::two_pass,
                                          input.sph.smoothing_ratio);
     std::unique_ptr<Link> link =
         alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint);
     Recorder recorder(input, options.folder, alone, fluid);
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
-    log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} pass(es) per step, {} threads",
-                         fluid.particles.size(), fluid.spacing(), fluid.fluid().c0, two_pass ? 2 : 1,
-                         threads));
+    log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
+                         fluid.particles.size(), fluid.spacing(), fluid.fluid().c0, threads));
 
     RunFigures figures;
     const double start = wall_clock();
     double t = 0, dt = 0, dt_before = 0;
     Health health;
     health.max_speed = fluid.fastest();
-    bool fields_due = true;
+    bool fields_due = true, density_due = false;
     StepOrder order;
     const auto figures_now = [&] {
         ProgressFigures p;
@@ -92,7 +94,7 @@ int run(const Case& input, const SolverOptions& options) {
     const auto finish = [&](const std::string& ended) {
         figures.wall = wall_clock() - start;
         recorder.flush();
-        recorder.write_summary(figures, fluid, two_pass, threads, ended);
+        recorder.write_summary(figures, fluid, threads, ended);
     };
 
     try {
@@ -108,16 +110,17 @@ int run(const Case& input, const SolverOptions& options) {
             watch.lap(figures.neighbors);
             fluid.pack(t);
             watch.lap(figures.pack);
-            if (two_pass) {
+            if (density_due) {   // the step just taken left it to a pass of its own
                 fluid.sum_over_neighbors(Terms::rate);
-                fluid.advance_density(dt);   // of the step just taken; dt = 0 at the start
+                fluid.advance_density(dt);
                 watch.lap(figures.sums);
                 fluid.pack(t);
                 watch.lap(figures.pack);
-                fluid.sum_over_neighbors(Terms::force);
-            } else {
-                fluid.sum_over_neighbors(Terms::both);
             }
+            const double one_pass_dt =
+                one_pass_cfl * fluid.physics().h / (fluid.fluid().c0 + health.max_speed);
+            const bool two_pass = takes_two_passes(integrator, dt, one_pass_dt);
+            fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
             fluid.add_wall_friction();
             watch.lap(figures.sums);
 
@@ -130,6 +133,8 @@ int run(const Case& input, const SolverOptions& options) {
             if (order.finished) break;
 
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);
+            density_due = two_pass;
+            figures.two_pass_steps += two_pass;
             dt_before = dt;
             dt = order.dt;
             t = order.t1;

@@ -40,6 +40,8 @@ def prepare(folder, replace):
 def describe_run(command, threads):
     """What run.json records, so that a result can be told from another and made again."""
     def git(*arguments):
+        if shutil.which("git") is None:     # a bare machine has none, and no run needs it
+            return None
         done = subprocess.run(["git", "-C", str(TOP), *arguments], capture_output=True, text=True, check=False)
         return done.stdout.strip() if done.returncode == 0 else None
 

@@ -183,5 +183,14 @@ class ResultsFolderTest(unittest.TestCase):
             self.assertTrue((out / "thesis.tex").exists())
 
 
+class DescribeRun(unittest.TestCase):
+    def test_a_machine_without_git_runs_all_the_same(self):
+        from unittest import mock
+        from undertow_tool import results_folder
+        with mock.patch.object(results_folder.shutil, "which", return_value=None), \
+             mock.patch.object(results_folder.subprocess, "run", side_effect=FileNotFoundError("git")):
+            self.assertIsNone(results_folder.describe_run(["undertow"], 2)["commit"])
+
+
 if __name__ == "__main__":
     unittest.main()
