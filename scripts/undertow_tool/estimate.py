@@ -11,7 +11,7 @@ SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does
 PARTICLE_BYTES = 400                  # state in double, packed copies, neighbor list
 ELEMENT_BYTES = 600                   # node and element state, connectivity
 SPH_STEP_MARGIN = 0.75                # a run's mean step over the estimate: impacts shorten it
-ONE_PASS, TWO_PASS = 0.36, 1.3        # c0 dt/dx of the two integrators, with their margins
+ONE_PASS, TWO_PASS = 0.25, 0.9        # c0 dt/dx of the two integrators, with their margins
 
 
 def boxes_of(case):
