@@ -14,7 +14,7 @@ struct Rest {
     double pressure_error;   // largest anywhere, over the bottom pressure
 };
 
-/// 13 sound passages of a column 20 particles deep: time to rearrange and to calm down.
+/// 130 sound passages of a column 20 particles deep: time to rearrange and to calm down.
 Rest rest_column(int dimension, double h_over_dx) {
     const double dx = 0.01, depth = 0.2;
     const Vec3 size{0.08, 0.08, depth};
@@ -23,11 +23,12 @@ Rest rest_column(int dimension, double h_over_dx) {
     input.sph.artificial_viscosity = 0.05;
     input.sph.smoothing_ratio = h_over_dx;
     FluidSystem fluid(input, 0.4);
-    const double dt = default_cfl(Integrator::two_pass, 1) * dx / fluid.fluid().c0;
+    // three quarters of what a quiet column bears, so that the test is of the scheme, not of the margin
+    // that the default keeps for impacts
+    const double dt = 1.3 * dx / fluid.fluid().c0;
     double t = 0, before = 0;
     Health health;
-    const int steps = static_cast<int>(std::lround(13 * depth / fluid.fluid().c0 / dt));
-    for (int n = 0; n < steps; ++n) {
+    for (int n = 0; n < 2000; ++n) {
         health = scenes::two_pass_step(fluid, t, dt, before);
         before = dt;
     }
@@ -43,9 +44,7 @@ Rest rest_column(int dimension, double h_over_dx) {
 
 TEST_CASE("a column at rest stays at rest with a hydrostatic pressure") {
     const Rest rest = rest_column(GENERATE(2, 3), 1.5);
-    // of c0: the lattice holds; what is left of the first wave is 1.7e-5 (4e-6 at c0 dt/dx = 1.3, which
-    // damps it more)
-    CHECK(rest.max_speed < 3e-5);
+    CHECK(rest.max_speed < 1e-5);        // of c0: the lattice holds, 4e-6 and less
     CHECK(rest.pressure_error < 0.01);   // discretization of the free surface's first layer
 }
 
