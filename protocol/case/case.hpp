@@ -16,7 +16,7 @@ struct Box {
     Vec3 min{}, max{};                   // [m]
 };
 
-// ---------------------------------------------------------------- [case], [time], [output]
+// ---------------------------------------------------------------- [case], [time], [start], [output]
 struct CaseInfo {
     std::string name;                    // also the folder of the results
     std::string title;
@@ -30,6 +30,13 @@ struct TimeSettings {
     double max_step = std::numeric_limits<double>::infinity();   // [s]
     double min_step = 1e-10;             // [s] a stable step below this stops the run
     double growth = 1.05;                // largest ratio of successive steps
+};
+
+/// How a scene comes to rest before it begins: for this long the fluid's velocities are damped, held
+/// fills stand still and the structure does not move.
+struct StartSettings {                   // [start]
+    double settle = 0;                   // [s]
+    double damping = 0;                  // [1/s] 0 = critical for the slowest sound wave, pi c0/depth
 };
 
 struct OutputSettings {
@@ -46,7 +53,13 @@ enum class Slip { free_slip, no_slip };
 struct Fluid {                           // [[sph.fluid]]
     std::string name;
     double density = 1000;               // [kg/m3] at zero pressure
-    double viscosity = 0;                // [Pa s] dynamic
+    double viscosity = 0;                // [Pa s] dynamic; of the Newtonian part of a viscoplastic fluid
+    // Herschel-Bulkley: tau = yield_stress + consistency gammadot^flow_index, where either is > 0
+    double yield_stress = 0;             // [Pa]
+    double consistency = 0;              // [Pa s^n]
+    double flow_index = 1;               // n
+    double max_viscosity = 0;            // [Pa s] cap where hardly anything shears; 0 = the largest
+                                         // that does not shorten the step
     EquationOfState equation_of_state = EquationOfState::us_up;   // "us_up", "tait"
     std::optional<double> sound_speed;   // [m/s]; "auto" (= nullopt): ten times sph.max_speed
     double hugoniot_slope = 0;           // s of Us = c0 + s up
@@ -55,10 +68,23 @@ struct Fluid {                           // [[sph.fluid]]
 };
 
 struct Fill {                            // [[sph.fill]] particles, cell-centered in the box
-    std::string fluid;
+    std::string fluid;                   // where fills overlap, the later one has the place
     Box box;
+    std::vector<std::array<double, 2>> profile;   // [m] polygon in x, z that cuts a prism out of the
+                                         // box; empty = the whole box
     Vec3 velocity{};                     // [m/s]
+    double ramp = 0;                     // [s] > 0: after start.settle the fill is moved as a block,
+                                         // its speed rising smoothly from 0 to `velocity` in this
+                                         // time, then let go where box and profile say; it starts
+                                         // velocity ramp/2 behind
     std::optional<double> surface_level; // [m] z of p = 0 for the hydrostatic start; none = top of box
+};
+
+struct Obstacle {                        // [[sph.obstacle]] a body that fills leave free
+    std::string name;
+    std::optional<Box> box;              // a box, or a cylinder with flat ends:
+    Vec3 from{}, to{};                   // [m] its axis
+    double radius = 0;                   // [m]
 };
 
 struct PlaneWall {                       // [[sph.plane]] infinite rigid wall, by mirror particles
@@ -101,6 +127,7 @@ struct SphSettings {
     std::optional<Box> domain;           // particles that leave are removed, counted and reported
     std::vector<Fluid> fluid;
     std::vector<Fill> fill;
+    std::vector<Obstacle> obstacle;
     std::vector<PlaneWall> plane;
     std::vector<PlateWall> plate;
     std::vector<SphGauge> gauge;
@@ -113,13 +140,16 @@ struct FemBlock {                        // [fem.block] structured mesh of hexah
     // volume set "block"; facet sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"; node sets alike
 };
 
-enum class MaterialKind { linear_elastic };
+enum class MaterialKind { linear_elastic, tresca };
 struct FemMaterial {                     // [[fem.material]]
     std::string name;
-    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic"
-    double density = 0;                  // [kg/m3]
+    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca"
+    double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
+    std::optional<double> weight_density;    // [kg/m3] of the weight (under water: less the water's);
+                                         // none = density
     double young_modulus = 0;            // [Pa]
     double poisson_ratio = 0;            // -1 to 0.5
+    double shear_strength = 0;           // [Pa] s_u of "tresca"
 };
 
 struct FemPart {                         // [[fem.part]]
@@ -141,6 +171,49 @@ struct FemPressure {                     // [[fem.pressure]] follows the deformi
 struct FemSurface {                      // [[fem.surface]] coupled surface; its name is the force's name
     std::string name;
     std::string set;                     // facet set
+    bool immobile = false;               // facets of no element, at rest: a rigid bed; their normals
+                                         // as the mesh has them
+};
+
+/// Static water over the coupled surfaces: what it presses on them is taken off, because weights are
+/// submerged (weight_density). What remains of the contact forces is the excess.
+struct FemWater {                        // [fem.water]
+    double level = 0;                    // [m] z of p = 0
+    double density = 1000;               // [kg/m3]
+};
+
+struct FemGeostatic {                    // [fem.geostatic] stress of soil at rest
+    std::string set;                     // volume set
+    double surface = 0;                  // [m] z where it is zero
+    double earth_pressure = 1;           // K0, horizontal over vertical
+};
+
+/// Before the first step everything finds its equilibrium under its own weight, by kinetic damping;
+/// displacements count from there.
+struct FemSettle {                       // [fem.settle]
+    double tolerance = 1e-3;             // residual force over weight at which it has settled
+    int max_steps = 50000;
+};
+
+struct FemAbsorbing {                    // [[fem.absorbing]] viscous boundary, keeps the reaction of
+    std::string set;                     // the start; facet set
+};
+
+struct FemRigid {                        // [[fem.rigid]] elements that move as one rigid body
+    std::string name;                    // of its columns
+    std::string set;                     // volume set
+    std::vector<std::string> free{"x", "y", "z", "rx", "ry", "rz"};   // degrees of freedom
+    double added_mass = 0;               // [kg] without weight, for example trapped water
+    Vec3 added_at{};                     // [m] its center
+};
+
+struct FemContact {                      // [[fem.contact]] contact inside the mesh
+    std::string name;
+    std::string nodes;                   // facet set whose nodes are kept out of
+    std::string surface;                 // this facet set
+    double friction = 0;                 // Coulomb coefficient
+    double max_shear = 0;                // [Pa] upper limit of the friction stress; 0 = none
+    double gap = 0;                      // [m] distance in the mesh at which they touch
 };
 
 struct FemProbe {                        // [[fem.probe]] history of the node nearest to a point
@@ -161,6 +234,12 @@ struct FemSettings {
     std::vector<FemSupport> support;
     std::vector<FemPressure> pressure;
     std::vector<FemSurface> surface;
+    std::optional<FemWater> water;
+    std::optional<FemGeostatic> geostatic;
+    std::optional<FemSettle> settle;
+    std::vector<FemAbsorbing> absorbing;
+    std::vector<FemRigid> rigid;
+    std::vector<FemContact> contact;
     std::vector<FemProbe> probe;
 };
 
@@ -196,6 +275,7 @@ struct Case {
     std::string folder;                  // where relative paths start
     CaseInfo info;                       // [case]
     TimeSettings time;
+    StartSettings start;
     OutputSettings output;
     SphSettings sph;
     FemSettings fem;

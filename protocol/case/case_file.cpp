@@ -62,6 +62,7 @@ ResolvedCase resolve_case(const std::string& path, const CaseOptions& options) {
     reader.require("time", "[time] with an end");
     reader.table("case", [&](TableReader& r) { read_info(r, c.info); });
     reader.table("time", [&](TableReader& r) { read_time(r, c.time); });
+    reader.table("start", [&](TableReader& r) { read_start(r, c.start); });
     reader.table("output", [&](TableReader& r) { read_output(r, c.output); });
     reader.table("sph", [&](TableReader& r) { read_sph(r, c.sph, c.info); });
     reader.table("fem", [&](TableReader& r) { read_fem(r, c.fem, c.info, c.folder); });

@@ -52,6 +52,10 @@ void to_json(Json& j, const Fluid& v) {
     j = {{"name", v.name},
          {"density", v.density},
          {"viscosity", v.viscosity},
+         {"yield_stress", v.yield_stress},
+         {"consistency", v.consistency},
+         {"flow_index", v.flow_index},
+         {"max_viscosity", v.max_viscosity},
          {"equation_of_state", name(v.equation_of_state)},
          {"sound_speed", v.sound_speed ? Json(*v.sound_speed) : Json("auto")},
          {"hugoniot_slope", v.hugoniot_slope},
@@ -62,8 +66,17 @@ void to_json(Json& j, const Fluid& v) {
 void to_json(Json& j, const Fill& v) {
     j = {{"fluid", v.fluid},
          {"box", v.box},
+         {"profile", v.profile},
          {"velocity", v.velocity},
+         {"ramp", v.ramp},
          {"surface_level", v.surface_level ? Json(*v.surface_level) : Json(nullptr)}};
+}
+
+void to_json(Json& j, const Obstacle& v) {
+    if (v.box)
+        j = {{"name", v.name}, {"box", *v.box}};
+    else
+        j = {{"name", v.name}, {"from", v.from}, {"to", v.to}, {"radius", v.radius}};
 }
 
 void to_json(Json& j, const PlaneWall& v) {
@@ -76,10 +89,7 @@ void to_json(Json& j, const PlateWall& v) {
 }
 
 void to_json(Json& j, const SphGauge& v) {
-    j = {{"name", v.name},
-         {"kind", name(v.kind)},
-         {"point", v.point},
-         {"direction", v.direction}};
+    j = {{"name", v.name}, {"kind", name(v.kind)}, {"point", v.point}, {"direction", v.direction}};
 }
 
 void to_json(Json& j, const SphSettings& v) {
@@ -96,6 +106,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"domain", v.domain ? Json(*v.domain) : Json(nullptr)},
          {"fluid", v.fluid},
          {"fill", v.fill},
+         {"obstacle", v.obstacle},
          {"plane", v.plane},
          {"plate", v.plate},
          {"gauge", v.gauge}};
@@ -106,10 +117,12 @@ void to_json(Json& j, const FemBlock& v) {
 }
 void to_json(Json& j, const FemMaterial& v) {
     j = {{"name", v.name},
-         {"kind", "linear_elastic"},
+         {"kind", v.kind == MaterialKind::tresca ? "tresca" : "linear_elastic"},
          {"density", v.density},
+         {"weight_density", v.weight_density.value_or(v.density)},
          {"young_modulus", v.young_modulus},
-         {"poisson_ratio", v.poisson_ratio}};
+         {"poisson_ratio", v.poisson_ratio},
+         {"shear_strength", v.shear_strength}};
 }
 void to_json(Json& j, const FemPart& v) {
     j = {{"set", v.set}, {"material", v.material}};
@@ -121,7 +134,30 @@ void to_json(Json& j, const FemPressure& v) {
     j = {{"set", v.set}, {"value", v.value}, {"ramp", v.ramp}};
 }
 void to_json(Json& j, const FemSurface& v) {
-    j = {{"name", v.name}, {"set", v.set}};
+    j = {{"name", v.name}, {"set", v.set}, {"immobile", v.immobile}};
+}
+void to_json(Json& j, const FemWater& v) {
+    j = {{"level", v.level}, {"density", v.density}};
+}
+void to_json(Json& j, const FemGeostatic& v) {
+    j = {{"set", v.set}, {"surface", v.surface}, {"earth_pressure", v.earth_pressure}};
+}
+void to_json(Json& j, const FemSettle& v) {
+    j = {{"tolerance", v.tolerance}, {"max_steps", v.max_steps}};
+}
+void to_json(Json& j, const FemAbsorbing& v) {
+    j = {{"set", v.set}};
+}
+void to_json(Json& j, const FemRigid& v) {
+    j = {{"name", v.name},
+         {"set", v.set},
+         {"free", v.free},
+         {"added_mass", v.added_mass},
+         {"added_at", v.added_at}};
+}
+void to_json(Json& j, const FemContact& v) {
+    j = {{"name", v.name},         {"nodes", v.nodes},         {"surface", v.surface},
+         {"friction", v.friction}, {"max_shear", v.max_shear}, {"gap", v.gap}};
 }
 void to_json(Json& j, const FemProbe& v) {
     j = {{"name", v.name}, {"point", v.point}};
@@ -139,6 +175,12 @@ void to_json(Json& j, const FemSettings& v) {
          {"support", v.support},
          {"pressure", v.pressure},
          {"surface", v.surface},
+         {"water", v.water ? Json(*v.water) : Json(nullptr)},
+         {"geostatic", v.geostatic ? Json(*v.geostatic) : Json(nullptr)},
+         {"settle", v.settle ? Json(*v.settle) : Json(nullptr)},
+         {"absorbing", v.absorbing},
+         {"rigid", v.rigid},
+         {"contact", v.contact},
          {"probe", v.probe}};
 }
 
@@ -202,6 +244,7 @@ std::string case_json(const ResolvedCase& resolved) {
                  {"max_step", number(c.time.max_step)},
                  {"min_step", c.time.min_step},
                  {"growth", c.time.growth}};
+    j["start"] = {{"settle", c.start.settle}, {"damping", c.start.damping}};
     j["output"] = {{"fields_every", c.output.fields_every},
                    {"history_every", c.output.history_every}};
     j["sph"] = c.sph.present ? Json(c.sph) : Json(nullptr);

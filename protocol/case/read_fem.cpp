@@ -48,11 +48,71 @@ void read_material(TableReader& reader, FemMaterial& material) {
     reader.require("young_modulus", "Young's modulus in Pa");
     reader.require("poisson_ratio", "Poisson's ratio");
     reader.text("name", material.name);
-    reader.choice<MaterialKind>("kind", material.kind,
-                                {{"linear_elastic", MaterialKind::linear_elastic}});
+    reader.choice<MaterialKind>(
+        "kind", material.kind,
+        {{"linear_elastic", MaterialKind::linear_elastic}, {"tresca", MaterialKind::tresca}});
     reader.number("density", material.density, positive("kg/m3"));
+    double weight_density = 0;
+    reader.number("weight_density", weight_density, any("kg/m3"));
+    if (reader.has("weight_density")) material.weight_density = weight_density;
     reader.number("young_modulus", material.young_modulus, positive("Pa"));
     reader.number("poisson_ratio", material.poisson_ratio, between(-1, 0.5));
+    reader.number("shear_strength", material.shear_strength, positive("Pa"));
+    if (material.kind == MaterialKind::tresca)
+        reader.require("shear_strength", "the undrained shear strength s_u in Pa");
+    else if (reader.has("shear_strength"))
+        reader.reject("shear_strength", "has no effect on kind = \"linear_elastic\".");
+}
+
+/// What a scene under water and on soil needs: static water, stress at rest, the far field.
+void read_ground(TableReader& reader, FemSettings& fem) {
+    FemWater water;
+    if (reader.table("water", [&](TableReader& entry) {
+            entry.require("level", "the z of the water's surface in m");
+            entry.number("level", water.level, any("m"));
+            entry.number("density", water.density, positive("kg/m3"));
+        }))
+        fem.water = water;
+    FemGeostatic geostatic;
+    if (reader.table("geostatic", [&](TableReader& entry) {
+            read_set(entry, geostatic.set, fem, {"block"});
+            entry.require("surface", "the z of the ground in m");
+            entry.number("surface", geostatic.surface, any("m"));
+            entry.number("earth_pressure", geostatic.earth_pressure, at_least(0));
+        }))
+        fem.geostatic = geostatic;
+    FemSettle settle;
+    if (reader.table("settle", [&](TableReader& entry) {
+            entry.number("tolerance", settle.tolerance, above_up_to(0, 0.1));
+            entry.whole("max_steps", settle.max_steps, 1, 100000000);
+        }))
+        fem.settle = settle;
+    reader.tables("absorbing", [&](TableReader& entry) {
+        read_set(entry, fem.absorbing.emplace_back().set, fem, block_facets);
+    });
+}
+
+void read_rigid(TableReader& reader, FemRigid& rigid, const FemSettings& fem) {
+    reader.require("name", "a word for its columns");
+    reader.text("name", rigid.name);
+    read_set(reader, rigid.set, fem, {"block"});
+    if (reader.has("free")) rigid.free.clear();
+    reader.words("free", rigid.free, {"x", "y", "z", "rx", "ry", "rz"});
+    reader.number("added_mass", rigid.added_mass, at_least(0, "kg"));
+    reader.vector("added_at", rigid.added_at, "m");
+}
+
+void read_contact(TableReader& reader, FemContact& contact) {
+    reader.require("name", "a word for messages and columns");
+    reader.require("nodes", "a facet set whose nodes touch");
+    reader.require("surface", "the facet set that they touch");
+    reader.text("name", contact.name);
+    reader.text("nodes", contact.nodes);
+    reader.text("surface", contact.surface);
+    reader.number("friction", contact.friction, at_least(0));
+    reader.number("max_shear", contact.max_shear, at_least(0, "Pa"));
+    reader.require("gap", "the distance in m between the two in the mesh");
+    reader.number("gap", contact.gap, positive("m"));
 }
 
 void read_mesh(TableReader& reader, FemSettings& fem, const CaseInfo& info,
@@ -114,7 +174,13 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         entry.require("name", "a word that names its force");
         entry.text("name", surface.name);
         read_set(entry, surface.set, fem, block_facets);
+        entry.flag("immobile", surface.immobile);
     });
+    read_ground(reader, fem);
+    reader.tables("rigid",
+                  [&](TableReader& entry) { read_rigid(entry, fem.rigid.emplace_back(), fem); });
+    reader.tables("contact",
+                  [&](TableReader& entry) { read_contact(entry, fem.contact.emplace_back()); });
     reader.tables("probe", [&](TableReader& entry) {
         FemProbe& probe = fem.probe.emplace_back();
         entry.require("name", "a word for its columns");

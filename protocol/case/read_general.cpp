@@ -42,6 +42,11 @@ void read_time(TableReader& reader, TimeSettings& time) {
         reader.reject("min_step", "is not allowed: it must be below time.max_step.");
 }
 
+void read_start(TableReader& reader, StartSettings& start) {
+    reader.number("settle", start.settle, at_least(0, "s"));
+    reader.number("damping", start.damping, at_least(0, "1/s"));
+}
+
 void read_output(TableReader& reader, OutputSettings& output) {
     reader.number("fields_every", output.fields_every, positive("s"));
     reader.number("history_every", output.history_every, at_least(0, "s"));

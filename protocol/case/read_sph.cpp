@@ -48,6 +48,10 @@ void read_fluid(TableReader& reader, Fluid& fluid) {
     reader.text("name", fluid.name);
     reader.number("density", fluid.density, positive("kg/m3"));
     reader.number("viscosity", fluid.viscosity, at_least(0, "Pa s"));
+    reader.number("yield_stress", fluid.yield_stress, at_least(0, "Pa"));
+    reader.number("consistency", fluid.consistency, at_least(0, "Pa s^n"));
+    reader.number("flow_index", fluid.flow_index, above_up_to(0, 3));
+    reader.number("max_viscosity", fluid.max_viscosity, at_least(0, "Pa s"));
     reader.choice<EquationOfState>(
         "equation_of_state", fluid.equation_of_state,
         {{"us_up", EquationOfState::us_up}, {"tait", EquationOfState::tait}});
@@ -76,8 +80,10 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
     reader.word("fluid", fill.fluid, fluids);
     reader.box("box", fill.box, axes_of(info));
     require_one_spacing(reader, fill.box, sph.spacing, info);
+    reader.polygon("profile", fill.profile);
     reader.vector("velocity", fill.velocity, "m/s");
     require_in_plane(reader, "velocity", fill.velocity, info);
+    reader.number("ramp", fill.ramp, at_least(0, "s"));
     double level = 0;
     reader.number("surface_level", level, any("m"));
     if (reader.has("surface_level")) fill.surface_level = level;
@@ -89,6 +95,27 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
                                      ": particles there would be removed at once; enlarge "
                                      "sph.domain or shrink the box.");
     }
+}
+
+void read_obstacle(TableReader& reader, Obstacle& obstacle, const CaseInfo& info) {
+    reader.require("name", "a word for messages");
+    reader.text("name", obstacle.name);
+    Box box;
+    reader.box("box", box, axes_of(info));
+    if (reader.has_table("box")) {
+        obstacle.box = box;
+    } else {
+        reader.require("from", "one end [x, y, z] of a cylinder's axis, or a box { min, max }");
+        reader.require("to", "the other end of the axis");
+        reader.require("radius", "the cylinder's radius in m");
+    }
+    reader.vector("from", obstacle.from, "m");
+    reader.vector("to", obstacle.to, "m");
+    reader.number("radius", obstacle.radius, positive("m"));
+    if (obstacle.box && (reader.has("from") || reader.has("to") || reader.has("radius")))
+        reader.reject("box", "is one shape too many: from, to and radius give a cylinder.");
+    if (reader.has("from") && obstacle.from == obstacle.to)
+        reader.reject("to", "is not allowed: the axis has no length.");
 }
 
 void read_plane(TableReader& reader, PlaneWall& plane, const CaseInfo& info) {
@@ -165,6 +192,9 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                   [&](TableReader& entry) { read_fluid(entry, sph.fluid.emplace_back()); });
     reader.tables(
         "fill", [&](TableReader& entry) { read_fill(entry, sph.fill.emplace_back(), sph, info); });
+    reader.tables("obstacle", [&](TableReader& entry) {
+        read_obstacle(entry, sph.obstacle.emplace_back(), info);
+    });
     reader.tables("plane",
                   [&](TableReader& entry) { read_plane(entry, sph.plane.emplace_back(), info); });
     reader.tables("plate", [&](TableReader& entry) {

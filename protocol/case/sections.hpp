@@ -8,6 +8,7 @@ namespace undertow {
 
 void read_info(TableReader& reader, CaseInfo& info);
 void read_time(TableReader& reader, TimeSettings& time);
+void read_start(TableReader& reader, StartSettings& start);
 void read_output(TableReader& reader, OutputSettings& output);
 void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info);
 void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,

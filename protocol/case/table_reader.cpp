@@ -147,6 +147,26 @@ void TableReader::divisions(const std::string& key, std::array<int, 3>& target) 
         target[axis] = static_cast<int>(node->items[axis].integer);
 }
 
+void TableReader::polygon(const std::string& key, std::vector<std::array<double, 2>>& target) {
+    const Node* node = find(key);
+    if (!node) return;
+    const auto number = [](const Node& item) {
+        return item.is(Node::Kind::integer)  ? static_cast<double>(item.integer)
+               : item.is(Node::Kind::number) ? item.number
+                                             : std::numeric_limits<double>::quiet_NaN();
+    };
+    bool allowed = node->is(Node::Kind::array) && node->items.size() >= 3;
+    target.clear();
+    for (std::size_t k = 0; allowed && k < node->items.size(); ++k) {
+        const Node& corner = node->items[k];
+        allowed = corner.is(Node::Kind::array) && corner.items.size() == 2;
+        if (!allowed) break;
+        target.push_back({number(corner.items[0]), number(corner.items[1])});
+        allowed = std::isfinite(target.back()[0]) && std::isfinite(target.back()[1]);
+    }
+    if (!allowed) reject(key, "is not allowed: at least three corners [x, z] in m are expected.");
+}
+
 void TableReader::box(const std::string& key, Box& target, const std::string& axes) {
     table(key, [&](TableReader& reader) {
         reader.require("min", "[x, y, z], its lower corner");

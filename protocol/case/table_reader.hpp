@@ -54,6 +54,8 @@ class TableReader {
     /// A direction: normalized, not zero.
     void direction(const std::string& key, Vec3& target);
     void divisions(const std::string& key, std::array<int, 3>& target);
+    /// [[x, z], ...], at least three corners.
+    void polygon(const std::string& key, std::vector<std::array<double, 2>>& target);
     /// { min = [...], max = [...] } with max > min in all of `axes`.
     void box(const std::string& key, Box& target, const std::string& axes = "xyz");
     /// One of `known`.
