@@ -41,7 +41,9 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain) {
-    particles = fill_particles(input, physics_.fluid);
+    Filled filled = fill_particles(input, {physics_.fluid});
+    particles = std::move(filled.particles);
+    start_.emplace(input, std::move(filled.first_id), physics_.fluid.c0);
     plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
     index_.resize(particles.size());
     for (std::size_t i = 0; i < particles.size(); ++i) {
@@ -274,6 +276,11 @@ void FluidSystem::advance_density(double dt) {
         // a switch to one pass would start from this rate
         particles.rate_before[i] = particles.drho_dt[i];
     }
+}
+
+void FluidSystem::constrain_start(double t, double dt, double dt_before) {
+    if (start_->active(t))
+        start_->constrain(t, dt, 0.5 * (dt + dt_before), physics_.gravity, particles);
 }
 
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,

@@ -12,6 +12,7 @@
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/setup/start.hpp"
 
 namespace undertow::sph {
 
@@ -47,6 +48,8 @@ class FluidSystem {
     void add_wall_friction();
     /// rho += dt * D (two-pass: D just summed).
     void advance_density(double dt);
+    /// Damps what settles and drives what is held, see Start; without effect once all are let go.
+    void constrain_start(double t, double dt, double dt_before);
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
@@ -75,6 +78,7 @@ class FluidSystem {
     std::int64_t put_back() const { return put_back_; }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
+    const Start& start() const { return *start_; }
     Vec3 gravity() const { return physics_.gravity; }
 
     Particles particles;
@@ -94,6 +98,7 @@ class FluidSystem {
     SurfaceImages surface_;
     bool with_surface_images_;
     std::optional<Box> domain_;
+    std::optional<Start> start_;
     struct Rubbing {
         int particle, plane;
     };

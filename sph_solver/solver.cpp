@@ -76,6 +76,10 @@ int run(const Case& input, const SolverOptions& options) {
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
                          fluid.particles.size(), fluid.spacing(), fluid.fluid().c0, threads));
 
+    if (fluid.start().end() > 0)
+        log_info(fmt::format("start: damped at {:.4g} 1/s until {:.4g} s, all let go at {:.4g} s",
+                             fluid.start().damping(), input.start.settle, fluid.start().end()));
+
     RunFigures figures;
     const double start = wall_clock();
     double t = 0, dt = 0, dt_before = 0;
@@ -132,6 +136,7 @@ int run(const Case& input, const SolverOptions& options) {
             watch.lap(figures.contact_wait);
             if (order.finished) break;
 
+            fluid.constrain_start(t, order.dt, dt);
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);
             density_due = two_pass;
             figures.two_pass_steps += two_pass;
