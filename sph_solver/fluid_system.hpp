@@ -21,12 +21,15 @@ struct Health {
     double max_speed = 0;          // [m/s]
     double max_acceleration = 0;   // [m/s2]
     double max_compression = 0;    // largest |rho/rho0 - 1|
+    double max_kinematic_viscosity = 0;   // largest mu/rho0 of the coming step [m2/s]
     bool finite = true;
     int worst = -1;                // particle (sorted index) that is not finite
 };
 
 struct Removed {
     std::int64_t id;
+    int fluid;
+    double volume;                 // m/rho, true volume also in 2D [m3]
     Vec3 x, v;                     // [m], [m/s]
 };
 
@@ -70,7 +73,13 @@ class FluidSystem {
     double spacing() const { return spacing_; }   // [m]
     double support() const { return neighbors_.support(); }
     const PairPhysics& physics() const { return physics_; }
-    const FluidLaw& fluid() const { return physics_.fluid; }
+    const std::vector<FluidLaw>& fluids() const { return physics_.fluids; }
+    const FluidLaw& fluid(int k = 0) const { return physics_.fluids[k]; }
+    const FluidLaw& fluid_of(std::size_t i) const { return physics_.fluids[particles.fluid[i]]; }
+    double largest_sound_speed() const;           // of the fluids [m/s]
+    /// The state before the first step.
+    Health health() const;
+    const std::vector<std::int64_t>& filled() const { return filled_; }   // particles at the start, [fluids]
     const Neighborhood& neighbors() const { return neighbors_; }
     const MirrorPlanes& mirror() const { return mirror_; }
     const std::vector<Removed>& removed() const { return removed_; }
@@ -89,8 +98,12 @@ class FluidSystem {
     void pack_extras(bool of_plates);
     void extrapolate_to_plates(double t);
     void find_rubbing();
+    double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
+    FluidTag tag_;
+    bool heated_;                   // some fluid has Gamma0 != 0
+    std::vector<std::int64_t> filled_;
     double spacing_;
     MirrorPlanes mirror_;
     std::vector<FixedReflection> fixed_reflections_;   // [2^planes]

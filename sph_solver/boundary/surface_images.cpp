@@ -174,23 +174,38 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
 }
 
 /// The pair terms of pair_terms.hpp between i and j', the pressure of the image continued
-/// hydrostatically.
+/// hydrostatically. An image is of its owner's fluid.
 template <class KernelLaw>
 void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kernel,
                               const Neighborhood& neighbors, const Particles& p) {
-    const FluidLaw& fluid = physics.fluid;
     const FixedPoint& fixed = neighbors.fixed();
     const std::vector<Packed>& records = neighbors.records();
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale();
-    const double mass = fluid.rho0 * fluid.volume, inverse_mass = 1 / mass;
+    const bool variable = !p.viscosity.empty();
     for (Near& k : near_) {
+        const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
+        k.mass = fluid.rho0 * fluid.volume;
+        k.per_mass = 1 / k.mass;
         k.volume = records[k.particle].volume;
-        k.density = mass / k.volume;
+        k.density = k.mass / k.volume;
     }
-    const double shock = physics.artificial_viscosity * h * fluid.c0 * fluid.rho0;  // [Pa s]
-    const double diffusive = 2 * physics.density_diffusion * h / fluid.c0;
-    const double g[3] = {fluid.rho0 * physics.gravity[0], fluid.rho0 * physics.gravity[1],
-                         fluid.rho0 * physics.gravity[2]};
+    // [a][b] for the fluids a of i and b of j
+    constexpr std::size_t most = FluidTag::most;
+    const std::size_t fluids = physics.fluids.size();
+    double shock[most][most], mu[most][most], diffusive[most][most];   // [Pa s], [Pa s], [s/m^2]
+    double weight[most][3];                                            // rho0 g [Pa/m]
+    for (std::size_t a = 0; a < fluids; ++a) {
+        const FluidLaw& own = physics.fluids[a];
+        for (int c = 0; c < 3; ++c) weight[a][c] = own.rho0 * physics.gravity[c];
+        for (std::size_t b = 0; b < fluids; ++b) {
+            const FluidLaw& other = physics.fluids[b];
+            const double impedance =
+                a == b ? own.c0 * own.rho0 : 0.5 * (own.c0 * own.rho0 + other.c0 * other.rho0);
+            shock[a][b] = physics.artificial_viscosity * h * impedance;
+            mu[a][b] = a == b ? own.mu : harmonic_mean(own.mu, other.mu);
+            diffusive[a][b] = a == b ? 2 * physics.density_diffusion * h / own.c0 : 0;
+        }
+    }
     for (const Pair& pair : pairs_) {
         Near &i = near_[pair.a], &j = near_[pair.b];
         const double backing = i.backing * j.backing;
@@ -222,22 +237,30 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         // v_i + v_j along n, both seen from the wall
         const double closing = 2 * dot(v_a, n) - vn - i.wall_speed - j.wall_speed;
         const double approach = dot(slip, along) + closing * s;
-        const double spread = F * approach, level = F * diffusive * (p.p[b] - p.p[a] + dot(g, d));
-        const double viscous = approach < 0 ? -shock * approach / r2 : 0,
-                     laminar = 2 * fluid.mu * F;
-        const double mean = p.p[a] + p.p[b] + viscous, gn = dot(g, n);
-        const double per_mass = i.volume * j.volume * inverse_mass;
-        // normal: P_i = p_i + p_j - 2 s_j rho0 g.n, of the image; along the wall their mean, so
+        const int of_a = p.fluid[a], of_b = p.fluid[b];
+        const double spread = F * approach,
+                     level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
+        const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
+        const double pair_mu =
+            variable ? harmonic_mean(double(p.viscosity[a]), double(p.viscosity[b]))
+                     : mu[of_a][of_b];
+        const double laminar = 2 * pair_mu * F;
+        const double mean = p.p[a] + p.p[b] + viscous;
+        const double gn_a = dot(weight[of_a], n), gn_b = dot(weight[of_b], n);
+        const double volumes = i.volume * j.volume;
+        // normal: P_i = p_i + p_j - 2 s_j rho0_j g.n, of the image; along the wall their mean, so
         // that the two forces cancel
-        const double P = mean - s * gn;
-        const auto give = [&](Near& k, double sign, const Near& other, double level_k) {
+        const double P =
+            mean - (of_a == of_b ? s * gn_a : i.distance * gn_a + j.distance * gn_b);
+        const auto give = [&](Near& k, double sign, const Near& other, double level_k, double gn) {
+            const double per_mass = volumes * k.per_mass;
             k.rate += other.volume * (level_k - k.density * spread);
             for (int c = 0; c < 3; ++c)
                 k.a[c] += sign * per_mass * (F * P * along[c] - laminar * slip[c]);
             k.push += per_mass * (F * (mean - 2 * other.distance * gn) * s - laminar * closing);
         };
-        give(i, 1, j, level);
-        if (!mirrored && a != b) give(j, -1, i, -level);
+        give(i, 1, j, level, gn_b);
+        if (!mirrored && a != b) give(j, -1, i, -level, gn_a);
     }
 }
 
@@ -247,7 +270,8 @@ void SurfaceImages::add_reactions() {
         if (!(pair.lean > 0)) continue;
         Near &i = near_[pair.a], &j = near_[pair.b];
         Near &pushed = i.touches ? j : i, &touching = i.touches ? i : j;
-        const double share = pair.lean / pushed.weight * pushed.push;
+        const double share =
+            pair.lean / pushed.weight * pushed.push * (pushed.mass / touching.mass);
         for (int c = 0; c < 3; ++c) touching.a[c] -= share * pushed.normal[c];
     }
     for (Near& k : near_)

@@ -54,6 +54,7 @@ class SurfaceImages {
         double distance;          // s [m]
         double backing;           // 0 (no touching particle around) to 1
         double wall_speed;        // normal velocity of the touching particles [m/s]
+        double mass, per_mass;    // rho0 V0 [kg/m^(3-d)], and 1 over it
         double volume, density;   // [m^d], [kg/m3]
         double weight;            // sum of their kernel values [1/m^d]
         double rate, a[3], push;  // results: [kg/m3/s], [m/s2], along the normal [m/s2]

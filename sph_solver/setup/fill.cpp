@@ -10,43 +10,6 @@
 
 namespace undertow::sph {
 
-double expected_speed(const Case& input) {
-    if (input.sph.max_speed > 0) return input.sph.max_speed;
-    double low = 1e300, high = -1e300, speed = 0;
-    for (const Fill& f : input.sph.fill) {
-        low = std::min(low, f.box.min[2]);
-        high = std::max(high, f.surface_level.value_or(f.box.max[2]));
-        speed = std::max(speed, std::hypot(f.velocity[0], f.velocity[1], f.velocity[2]));
-    }
-    const Vec3& g = input.info.gravity;
-    const double fall = std::hypot(g[0], g[1], g[2]) * std::max(0.0, high - low);
-    const double expected = 2 * std::sqrt(fall) + speed;
-    if (!(expected > 0))
-        throw InputError(fmt::format(
-            "{}: sph.fluid.sound_speed = \"auto\" needs sph.max_speed, the largest expected speed "
-            "[m/s]: without gravity and initial velocity it cannot be estimated.", input.file));
-    return expected;
-}
-
-FluidLaw resolve_fluid(const Case& input) {
-    if (input.sph.fluid.size() != 1)
-        throw InputError(fmt::format(
-            "{}: sph.fluid: {} fluids given; this version computes exactly one.", input.file,
-            input.sph.fluid.size()));
-    const Fluid& f = input.sph.fluid.front();
-    FluidLaw law;
-    law.rho0 = f.density;
-    law.mu = f.viscosity;
-    law.c0 = f.sound_speed ? *f.sound_speed : 10 * expected_speed(input);
-    law.equation_of_state = f.equation_of_state;
-    law.us_up = {law.rho0, law.c0, f.hugoniot_slope, f.gruneisen};
-    law.tait = {law.rho0, law.c0, f.tait_exponent};
-    const double dx = input.sph.spacing;
-    law.volume = input.info.dimension == 3 ? dx * dx * dx : dx * dx;
-    law.mass = law.rho0 * law.volume * (input.info.dimension == 3 ? 1 : input.info.thickness);
-    return law;
-}
-
 Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     const double dx = input.sph.spacing;
     const bool flat = input.info.dimension == 2;

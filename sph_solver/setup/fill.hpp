@@ -7,13 +7,6 @@
 
 namespace undertow::sph {
 
-/// Largest expected speed [m/s]: sph.max_speed, or 2 sqrt(g H) of the fills' total height plus the
-/// largest initial speed (the tip of a dam break on a dry bed, Ritter 1892).
-double expected_speed(const Case& input);
-
-/// Constants of the (single) fluid; throws InputError when the case has none or more than one.
-FluidLaw resolve_fluid(const Case& input);
-
 struct Filled {
     Particles particles;
     std::vector<std::int64_t> first_id;   // [fills + 1] identities of each fill's particles: from its
