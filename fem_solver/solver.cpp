@@ -10,6 +10,7 @@ Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, 
     : structure_(structure), link_(link), output_(output), line_(line), t_end_(c.time.end) {}
 
 bool Solver::step_to_the_end() {
+    structure_.release_far_field();
     n_ = link_.announce(structure_);
     bool output_due = true;
     for (;; ++n_) {

@@ -11,7 +11,8 @@ namespace undertow::fem {
 Structure::Structure(Model model, int threads)
     : model_(std::move(model)),
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
-      nodes_(make_nodes(model_.mesh, elements_.nodal_masses(model_.mesh.x.size()))),
+      nodes_(make_nodes(model_.mesh, elements_.nodal_masses(model_.mesh.x.size()),
+                        elements_.nodal_weight_masses(model_.mesh.x.size()))),
       contact_(model_.surface.node),
       // below this a step takes less time than waking threads several times
       threads_(elements_.size() < 16384 ? 1 : threads) {
@@ -19,6 +20,8 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    model_.far_field.hold(nodes_);
+    for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     report_.omega2 = elements_.omega2_start();
     find_frequency();
     omega_start_ = tightening_ * omega_bound();
@@ -44,6 +47,8 @@ void Structure::internal_forces() {
     strain_work_ += report_.strain_work;
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;
+    plastic_work_ += report_.plastic_work;
+    model_.far_field.add_reaction(nodes_.f);
 }
 
 void Structure::pressure_forces(double t) {
@@ -58,12 +63,30 @@ void Structure::contact_forces(std::span<const double> f) {
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
+    if (!model_.water) return;
+    model_.water->evaluate(nodes_.x);
+    model_.water->load.add_to(nodes_.f);
+}
+
+void Structure::release_far_field() {
+    if (model_.far_field.empty()) return;
+    std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
+    report_ = elements_.step(nodes_, 0, threads_);  // no time, no strain: forces of the stresses
+    pressure_forces(0);
+    model_.far_field.release(nodes_, model_.gravity);
+    std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
+    find_frequency();  // of a mesh that is freer now
+    omega_start_ = tightening_ * omega_bound();
 }
 
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
-    kick_ = fem::kick(nodes_, {dt_, dt, model_.gravity, model_.damping}, threads_);
+    if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
+    model_.far_field.before_kick(nodes_, dt_);
+    const Kick step{dt_, dt, model_.gravity, model_.damping};
+    kick_ = fem::kick(nodes_, step, threads_);
+    model_.far_field.after_kick(nodes_, step, kick_);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
     kick_span_ = 0.5 * (dt_ + dt);
@@ -72,12 +95,15 @@ void Structure::kick(double dt) {
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
+    if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
+    model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
     dt_ = dt;
 }
 
 void Structure::finish() {
     contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    if (model_.water) model_.water->load.add_to(nodes_.f);
     kick(dt_);
 }
 
@@ -119,14 +145,18 @@ void Structure::check_health(std::int64_t n, double t) const {
 Energies Structure::energies() const {
     Energies e;
     e.kinetic = kick_.kinetic;
-    e.internal = strain_work_;
+    e.internal = strain_work_ - plastic_work_;
+    e.plastic = plastic_work_;
     e.hourglass = hourglass_work_;
     e.bulk_viscosity = viscous_work_;
     e.damping = damping_work_;
+    e.far_field = model_.far_field.dissipated();
+    e.external = model_.far_field.reaction_work();
+    if (model_.water) e.external += model_.water->load.work;
     for (std::size_t n = 0; n < nodes_.size(); ++n)  // weight: a potential, so its work is exact
         for (int d = 0; d < 3; ++d)
-            e.external +=
-                nodes_.mass[n] * model_.gravity[d] * (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
+            e.external += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d] *
+                          (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     e.contact = contact_.work;
     return e;
@@ -136,7 +166,8 @@ Vec3 Structure::velocity(std::int32_t node) const {
     Vec3 v;
     for (int d = 0; d < 3; ++d) {
         const double im = nodes_.inverse_mass[node].c[d];
-        const double a = im == 0 ? 0 : nodes_.f[node].c[d] * im + model_.gravity[d];
+        const double a =
+            im == 0 ? 0 : nodes_.f[node].c[d] * im + nodes_.weight_share[node] * model_.gravity[d];
         const double v_half = nodes_.v[node].c[d];
         // v^n = v^{n+1/2} - a' span/2, a' = a - alpha v^n
         v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
@@ -154,7 +185,9 @@ Vec3 Structure::reaction(const Support& support) const {
     Vec3 r{};
     for (std::int32_t n : support.nodes)
         for (int d = 0; d < 3; ++d)
-            if (support.fixed[d]) r[d] -= nodes_.f[n].c[d] + nodes_.mass[n] * model_.gravity[d];
+            if (support.fixed[d])
+                r[d] -=
+                    nodes_.f[n].c[d] + nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
     return r;
 }
 

@@ -18,15 +18,18 @@ namespace undertow::fem {
 /// dissipated are the others.
 struct Energies {
     double kinetic = 0;         // 1/2 m v^{n-1/2} . v^{n+1/2}
-    double internal = 0;        // work of the stresses
+    double internal = 0;        // work of the stresses, without
+    double plastic = 0;         // dissipated by plastic flow
     double hourglass = 0;       // work of the hourglass stresses
     double bulk_viscosity = 0;  // dissipated
     double damping = 0;         // dissipated by Rayleigh damping
-    double external = 0;        // done by weight and pressure
+    double far_field = 0;       // dissipated by the absorbing boundary
+    double external = 0;        // done by weight, pressure, static water, the far field's reaction
     double contact = 0;         // done by the contact forces
     /// What does not add up.
     double balance_error() const {
-        return kinetic + internal + hourglass + bulk_viscosity + damping - external - contact;
+        return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field -
+               external - contact;
     }
 };
 
@@ -43,9 +46,15 @@ class Structure {
     // One step, in this order:
     void internal_forces();  // stress and forces in the shape x^n
     void pressure_forces(double t);
-    void contact_forces(std::span<const double> f);  // [N] (n_surface_nodes, 3)
-    void kick(double dt);                            // v^{n-1/2} -> v^{n+1/2}
-    void drift(double dt);                           // x^n -> x^{n+1}
+    /// [N] (n_surface_nodes, 3), less the static water; nothing when alone (empty).
+    void contact_forces(std::span<const double> f);
+    void kick(double dt);   // v^{n-1/2} -> v^{n+1/2}
+    void drift(double dt);  // x^n -> x^{n+1}
+
+    /// Lets the far field go, which is held until then: what holds it now stays as a constant
+    /// force, and dashpots take over. Call it once, before the first step, at rest: stresses must
+    /// belong to the present shape, pressures are taken as at t = 0. Nothing without a far field.
+    void release_far_field();
 
     /// Completes energies and velocities at the last n by a kick like the one before; nothing
     /// moves.
@@ -73,6 +82,7 @@ class Structure {
     Nodes& nodes() { return nodes_; }
     const Hexahedra& elements() const { return elements_; }
     const ElementsReport& report() const { return report_; }
+    std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
     double omega_bound() const;                          // [1/s] elements' bound at the start
     double omega_start() const { return omega_start_; }  // [1/s] found for the mesh at the start
     int frequency_searches() const { return frequency_searches_; }
@@ -91,6 +101,7 @@ class Structure {
     ElementsReport report_;
     KickReport kick_;
     double strain_work_ = 0, hourglass_work_ = 0, viscous_work_ = 0;  // [J] up to n
+    double plastic_work_ = 0;                                         // [J] part of strain_work_
     double damping_work_ = 0, damping_ahead_ = 0;  // [J] up to n, and of the half step after it
 
     double tightening_ = 1;  // largest frequency of the mesh over the elements' bound, <= 1

@@ -7,6 +7,7 @@
 #include "fem_solver/boundary/pressure.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/mesh.hpp"
+#include "fem_solver/setup/ground.hpp"
 
 namespace undertow::fem {
 
@@ -36,6 +37,9 @@ struct Model {
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
     CoupledSurface surface;
+    std::vector<InitialStress> initial_stress;
+    AbsorbingBoundary far_field;
+    std::optional<StaticWater> water;
     std::vector<Probe> probes;
     Vec3 gravity{};      // [m/s2]
     double damping = 0;  // [1/s] Rayleigh alpha
