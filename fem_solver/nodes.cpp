@@ -48,14 +48,15 @@ void drift_block(Nodes& nodes, double dt, std::size_t first, std::size_t last) {
     }
 }
 
-void add(KickReport& sum, const KickReport& part) {
-    sum.kinetic += part.kinetic;
-    sum.damping_before += part.damping_before;
-    sum.damping_after += part.damping_after;
-    sum.speed2 = std::max(sum.speed2, part.speed2);
-}
-
 }  // namespace
+
+KickReport& KickReport::operator+=(const KickReport& other) {
+    kinetic += other.kinetic;
+    damping_before += other.damping_before;
+    damping_after += other.damping_after;
+    speed2 = std::max(speed2, other.speed2);
+    return *this;
+}
 
 Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
                  const std::vector<double>& weight_mass) {
@@ -71,7 +72,7 @@ Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
     for (std::size_t i = 0; i < n; ++i)
         for (int d = 0; d < 3; ++d) {
             nodes.x0[i].c[d] = mesh.x[i][d];
-            nodes.inverse_mass[i].c[d] = 1 / mass[i];
+            nodes.inverse_mass[i].c[d] = mass[i] > 0 ? 1 / mass[i] : 0;
         }
     nodes.x = nodes.x0;
     nodes.mass = std::move(mass);
@@ -83,14 +84,14 @@ KickReport kick(Nodes& nodes, const Kick& step, int threads) {
     KickReport sum;
     if (blocks <= 1 || threads <= 1) {
         for (std::size_t b = 0; b < blocks; ++b)
-            add(sum, kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size)));
+            sum += kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
         return sum;
     }
     std::vector<KickReport> part(blocks);
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (std::size_t b = 0; b < blocks; ++b)
         part[b] = kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
-    for (const KickReport& p : part) add(sum, p);
+    for (const KickReport& p : part) sum += p;
     return sum;
 }
 

@@ -14,12 +14,12 @@
 namespace undertow::fem {
 
 struct Nodes {
-    NodeRows x0;                       // [m] undeformed
-    NodeRows x;                        // [m] at n
-    NodeRows v;                        // [m/s] at n - 1/2
-    NodeRows f;                        // [N] external minus internal forces at n, without weight
-    NodeRows inverse_mass;             // [1/kg] per direction; 0 where a support holds the node
-    std::vector<double> mass;          // [kg] lumped
+    NodeRows x0;               // [m] where displacements count from: the mesh, or after settling
+    NodeRows x;                // [m] at n
+    NodeRows v;                // [m/s] at n - 1/2
+    NodeRows f;                // [N] external minus internal forces at n, without weight
+    NodeRows inverse_mass;     // [1/kg] per direction; 0 where a support holds the node
+    std::vector<double> mass;  // [kg] lumped; 0 of an immobile node, which has no element
     std::vector<double> weight_share;  // mass that gravity acts on over mass
 
     std::size_t size() const { return mass.size(); }
@@ -31,6 +31,8 @@ struct KickReport {
     double damping_before = 0;  // [J] Rayleigh dissipation in the half step before n
     double damping_after = 0;   // [J] and in the half step after n
     double speed2 = 0;          // [m2/s2] largest
+
+    KickReport& operator+=(const KickReport& other);
 };
 
 /// Where a kick stands in time, and the loads that act on every node alike.

@@ -22,9 +22,56 @@ Structure::Structure(Model model, int threads)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
     model_.far_field.hold(nodes_);
     for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
+    if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
+    for (const RigidSet& set : model_.rigid) {
+        for (std::int32_t n : set.nodes) is_rigid_[n] = 1;
+        bodies_.emplace_back(set, nodes_);
+        bodies_.back().count_from_here(model_.gravity);
+    }
     report_.omega2 = elements_.omega2_start();
     find_frequency();
     omega_start_ = tightening_ * omega_bound();
+    if (!model_.contacts.empty()) make_pairs();
+}
+
+/// What the coupler leaves of 4 (1 - cfl^2) at its own nodes, and all of it at others, goes to the
+/// contact inside the mesh.
+void Structure::make_pairs() {
+    const double room = 4 * (1 - model_.cfl * model_.cfl);
+    const double dt = std::min(stable_step().dt, model_.max_step);
+    for (const ContactSet& set : model_.contacts) {
+        ContactBudget budget{dt, {}};
+        for (std::int32_t n : set.nodes) {
+            const bool coupled = std::binary_search(model_.surface.node.begin(),
+                                                    model_.surface.node.end(), n);
+            budget.share.push_back(room - (coupled ? model_.coupled_share : 0));
+            // softer than this, contact gives way more than the soil it belongs to
+            if (budget.share.back() < 0.05)
+                throw InputError("fem.contact \"" + set.name + "\": fem.cfl = " +
+                                 number_text(model_.cfl) + " leaves " +
+                                 number_text(budget.share.back(), 3) +
+                                 " of the stability budget to contact inside the mesh, less than "
+                                 "0.05; set fem.cfl to 0.9 or less.");
+        }
+        pairs_.emplace_back(set, nodes_, bodies_, budget, threads_);
+    }
+    // Over-closures that meet the stresses and weights of the start, so that nothing jumps.
+    elements_.step(nodes_, 0, threads_);
+    pressure_forces(0);
+    for (std::size_t n = 0; n < nodes_.size(); ++n)
+        for (int d = 0; d < 3; ++d)
+            nodes_.f[n].c[d] += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
+    for (ContactPair& pair : pairs_) pair.balance(nodes_.f);
+    for (NodeRow& f : nodes_.f) f = NodeRow{};
+    pair_forces();
+    for (ContactPair& pair : pairs_) pair.count_from_here();
+    for (RigidBody& body : bodies_) body.count_from_here(model_.gravity);
+    for (NodeRow& f : nodes_.f) f = NodeRow{};
+}
+
+void Structure::pair_forces() {
+    for (RigidBody& body : bodies_) body.clear_contact();
+    for (ContactPair& pair : pairs_) pair.evaluate(nodes_, bodies_, dt_);
 }
 
 double Structure::omega_bound() const {
@@ -35,6 +82,7 @@ void Structure::find_frequency() {
     // Lanczos approaches the largest frequency from below; what it may lack when it stops is far
     // less than this.
     constexpr double margin = 1.01;
+    if (report_.omega2 == 0) return;  // nothing deforms
     const LargestFrequency found = find_largest_frequency(elements_, nodes_);
     tightening_ =
         found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;
@@ -49,6 +97,7 @@ void Structure::internal_forces() {
     viscous_work_ += report_.viscous_work;
     plastic_work_ += report_.plastic_work;
     model_.far_field.add_reaction(nodes_.f);
+    if (!pairs_.empty()) pair_forces();
 }
 
 void Structure::pressure_forces(double t) {
@@ -85,8 +134,10 @@ void Structure::kick(double dt) {
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
+    for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
     kick_ = fem::kick(nodes_, step, threads_);
     model_.far_field.after_kick(nodes_, step, kick_);
+    for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
     kick_span_ = 0.5 * (dt_ + dt);
@@ -98,7 +149,64 @@ void Structure::drift(double dt) {
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
+    for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
+}
+
+void Structure::hold() {
+    for (NodeRow& f : nodes_.f) f = NodeRow{};
+}
+
+void Structure::stop() {
+    for (NodeRow& v : nodes_.v) v = NodeRow{};
+    for (RigidBody& body : bodies_) body.stop(nodes_);
+    dt_ = 0;
+}
+
+void Structure::count_from_here() {
+    nodes_.x0 = nodes_.x;
+    kick_ = {};
+    strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
+    plastic_work_ = 0;
+    contact_.work = 0;
+    if (model_.water) model_.water->load.work = 0;
+    for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
+    for (RigidBody& body : bodies_) body.count_from_here(model_.gravity);
+    for (ContactPair& pair : pairs_) pair.count_from_here();
+}
+
+Residual Structure::residual() const {
+    Residual r;
+    std::size_t free_nodes = 0;
+    const auto norm = [](const Vec3& a) {
+        return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    };
+    const double g = norm(model_.gravity);
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        bool is_free = false;
+        for (int d = 0; d < 3; ++d) {
+            if (nodes_.inverse_mass[n].c[d] == 0) continue;
+            is_free = true;
+            const double weight = nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
+            const double f = std::abs(nodes_.f[n].c[d] + weight);
+            if (f > r.node) {
+                r.node = f;
+                r.at = std::int32_t(n);
+            }
+        }
+        if (!is_free) continue;
+        ++free_nodes;
+        r.reference += nodes_.mass[n] * std::abs(nodes_.weight_share[n]) * g;
+    }
+    if (free_nodes > 0) r.reference /= double(free_nodes);
+    for (const RigidBody& body : bodies_) {
+        const Wrench pull = body.unbalanced(nodes_, model_.gravity);
+        const double weight = body.set().weight_mass * g;
+        if (weight == 0) continue;
+        r.body = std::max({r.body, norm(pull.force) / weight,
+                           norm(pull.moment) / (weight * body.reach())});
+    }
+    return r;
 }
 
 void Structure::finish() {
@@ -114,7 +222,13 @@ const StableStep& Structure::stable_step() {
     const double b2 = model_.bulk_viscosity.quadratic;
     const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression;
     const double omega = tightening_ * std::sqrt(report_.omega2);
+    if (omega == 0) {  // rigid bodies alone: a number that any other limit undercuts
+        stable_ = {1e9, "nothing that deforms"};
+        return stable_;
+    }
     stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
+    // the springs of contact are made for the step of the start
+    for (const ContactPair& pair : pairs_) stable_.dt = std::min(stable_.dt, pair.largest_step());
     if (std::abs(report_.omega2 - named_omega2_) > 1e-4 * report_.omega2) {
         const std::size_t e = elements_.stiffest();
         stable_.limiter = model_.mesh.element_name(e) + " of " + elements_.part_name(e);
@@ -153,10 +267,17 @@ Energies Structure::energies() const {
     e.far_field = model_.far_field.dissipated();
     e.external = model_.far_field.reaction_work();
     if (model_.water) e.external += model_.water->load.work;
-    for (std::size_t n = 0; n < nodes_.size(); ++n)  // weight: a potential, so its work is exact
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {  // weight: a potential, so its work is exact
+        if (!is_rigid_.empty() && is_rigid_[n]) continue;
         for (int d = 0; d < 3; ++d)
             e.external += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d] *
                           (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
+    }
+    for (const RigidBody& body : bodies_) e.external += body.weight_work(model_.gravity);
+    for (const ContactPair& pair : pairs_) {
+        e.pair_springs += pair.elastic_energy();
+        e.pair_friction += pair.friction_work();
+    }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     e.contact = contact_.work;
     return e;

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "fem_solver/boundary/nodal_load.hpp"
+#include "fem_solver/contact_pairs/contact_pair.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/nodes.hpp"
+#include "fem_solver/rigid/rigid_body.hpp"
 #include "fem_solver/setup/model.hpp"
 
 namespace undertow::fem {
@@ -25,11 +27,13 @@ struct Energies {
     double damping = 0;         // dissipated by Rayleigh damping
     double far_field = 0;       // dissipated by the absorbing boundary
     double external = 0;        // done by weight, pressure, static water, the far field's reaction
-    double contact = 0;         // done by the contact forces
+    double contact = 0;         // done by the contact forces of the coupler
+    double pair_springs = 0;    // stored in contact inside the mesh
+    double pair_friction = 0;   // dissipated there
     /// What does not add up.
     double balance_error() const {
-        return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field -
-               external - contact;
+        return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field +
+               pair_springs + pair_friction - external - contact;
     }
 };
 
@@ -38,23 +42,40 @@ struct StableStep {
     std::string limiter;  // "hexahedron 17 of wall"
 };
 
+/// How far from equilibrium: forces that would move free nodes and bodies now.
+struct Residual {
+    double node = 0;                 // [N] largest component at a node
+    std::int32_t at = -1;            // that node
+    double body = 0;                 // largest share of a body's weight (moments: times its reach)
+    double reference = 0;            // [N] mean weight of a free node
+};
+
 class Structure {
  public:
     /// At rest in the mesh's shape. `threads` for meshes large enough to gain from them.
     Structure(Model model, int threads);
 
     // One step, in this order:
-    void internal_forces();  // stress and forces in the shape x^n
+    void internal_forces();  // stress, forces and contact inside the mesh in the shape x^n
     void pressure_forces(double t);
     /// [N] (n_surface_nodes, 3), less the static water; nothing when alone (empty).
     void contact_forces(std::span<const double> f);
     void kick(double dt);   // v^{n-1/2} -> v^{n+1/2}
     void drift(double dt);  // x^n -> x^{n+1}
+    void hold();            // instead of kick and drift: all stays at rest where it is
 
     /// Lets the far field go, which is held until then: what holds it now stays as a constant
     /// force, and dashpots take over. Call it once, before the first step, at rest: stresses must
     /// belong to the present shape, pressures are taken as at t = 0. Nothing without a far field.
     void release_far_field();
+
+    /// For finding equilibrium. stop(): ends all motion at n, between internal_forces and kick;
+    /// the next kick starts from rest. count_from_here(): displacements, energies and the motion
+    /// and contact forces of rigid bodies count from this state.
+    void stop();
+    void count_from_here();
+    /// After all forces of the step are in.
+    Residual residual() const;
 
     /// Completes energies and velocities at the last n by a kick like the one before; nothing
     /// moves.
@@ -83,17 +104,25 @@ class Structure {
     const Hexahedra& elements() const { return elements_; }
     const ElementsReport& report() const { return report_; }
     std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
+    const std::vector<RigidBody>& bodies() const { return bodies_; }
+    const std::vector<ContactPair>& pairs() const { return pairs_; }
+    double kinetic_energy() const { return kick_.kinetic; }  // [J] of the last kick
     double omega_bound() const;                          // [1/s] elements' bound at the start
     double omega_start() const { return omega_start_; }  // [1/s] found for the mesh at the start
     int frequency_searches() const { return frequency_searches_; }
 
  private:
     void find_frequency();
+    void make_pairs();
+    void pair_forces();
 
     Model model_;
     Hexahedra elements_;
     Nodes nodes_;
     NodalLoad contact_;
+    std::vector<RigidBody> bodies_;
+    std::vector<ContactPair> pairs_;
+    std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies
     int threads_;
 
     double dt_ = 0;         // [s] of the last step; 0 at the start

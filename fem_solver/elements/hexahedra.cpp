@@ -112,6 +112,11 @@ void Hexahedra::color_chunks(std::size_t n_nodes) {
     chunk_report_.resize(chunk_.size());
 }
 
+std::size_t Hexahedra::deformable() const {
+    return std::size_t(std::count_if(slot_of_.begin(), slot_of_.end(),
+                                     [](std::int32_t slot) { return slot >= 0; }));
+}
+
 std::vector<double> Hexahedra::nodal_masses(std::size_t n_nodes) const {
     std::vector<double> mass(n_nodes, 0.0);
     for (std::size_t b = 0; b < batch_.size(); ++b)
@@ -196,6 +201,7 @@ double Hexahedra::largest_wave_speed() const {
 std::vector<double> Hexahedra::stress() const {
     std::vector<double> out(6 * size());
     for (std::size_t e = 0; e < size(); ++e) {
+        if (slot_of_[e] < 0) continue;  // of a rigid body: none
         const Symmetric<Lanes>& s = state_[slot_of_[e] / n_lanes].stress;
         const int l = slot_of_[e] % n_lanes;
         const double row[6] = {s.xx[l], s.yy[l], s.zz[l], s.xy[l], s.yz[l], s.zx[l]};

@@ -45,10 +45,12 @@ struct ElementsReport {
 
 class Hexahedra {
  public:
-    /// Takes undeformed shapes from the mesh; every element in exactly one part.
+    /// Takes undeformed shapes from the mesh; every element in one part at most. One in none (of a
+    /// rigid body) has no mass and no stress here.
     Hexahedra(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity);
 
-    std::size_t size() const { return slot_of_.size(); }
+    std::size_t size() const { return slot_of_.size(); }  // of the mesh
+    std::size_t deformable() const;                       // of the parts
     /// [kg] lumped nodal masses: an eighth of the element's mass at each of its nodes.
     std::vector<double> nodal_masses(std::size_t n_nodes) const;
     /// [kg] the same of the masses that gravity acts on.

@@ -6,7 +6,10 @@
 #include <limits>
 
 #include "fem_solver/setup/block_mesh.hpp"
+#include "fem_solver/setup/contact_sets.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
+#include "fem_solver/setup/immobile.hpp"
+#include "fem_solver/setup/rigid_sets.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -15,10 +18,15 @@ namespace {
 Mesh make_mesh(const Case& c) {
     if (c.fem.block && !c.fem.mesh.empty())
         throw InputError("fem: give either fem.block or fem.mesh, not both.");
+    const std::vector<std::string> immobile = immobile_sets(c.fem);
+    if (c.fem.block && !immobile.empty())
+        throw InputError("fem.surface \"" + immobile.front() +
+                         "\": immobile facets belong to no element, but all facets of [fem.block] "
+                         "do; remove immobile, or bring them in a fem.mesh.");
     if (c.fem.block) return make_block(*c.fem.block);
     if (c.fem.mesh.empty())
         throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"file.msh\".");
-    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string());
+    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile);
 }
 
 Material make_material(const FemMaterial& m) {
@@ -127,6 +135,10 @@ Model build_model(const Case& c) {
     Model model;
     model.mesh = make_mesh(c);
     model.parts = make_parts(c.fem, model.mesh);
+    model.rigid = take_rigid_sets(c, model.mesh, model.parts);
+    model.contacts = make_contact_sets(c, model.mesh, model.rigid);
+    if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
+    model.max_step = c.time.max_step;
     model.bulk_viscosity = {c.fem.bulk_viscosity_linear, c.fem.bulk_viscosity_quadratic};
     model.supports = make_supports(c.fem, model.mesh);
     if (c.info.dimension == 2) {
@@ -136,6 +148,8 @@ Model build_model(const Case& c) {
             plane.nodes.push_back(std::int32_t(n));
         model.supports.push_back(std::move(plane));
     }
+    leave_rigid_nodes(model.supports, model.rigid);
+    check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
     model.surface = make_surface(c.fem, model.mesh);

@@ -1,13 +1,16 @@
 #pragma once
 // The [fem] table with every name resolved: sets to nodes, facets and elements, materials to laws.
 
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "fem_solver/boundary/pressure.hpp"
+#include "fem_solver/contact_pairs/contact_set.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
+#include "fem_solver/rigid/rigid_set.hpp"
 
 namespace undertow::fem {
 
@@ -41,6 +44,10 @@ struct Model {
     AbsorbingBoundary far_field;
     std::optional<StaticWater> water;
     std::vector<Probe> probes;
+    std::vector<RigidSet> rigid;       // their elements are in no part
+    std::vector<ContactSet> contacts;  // inside the mesh
+    double coupled_share = 0;  // of the stability budget that the coupler takes at coupled nodes
+    double max_step = std::numeric_limits<double>::infinity();  // [s] the case's own limit
     Vec3 gravity{};      // [m/s2]
     double damping = 0;  // [1/s] Rayleigh alpha
     double cfl = 0.9;    // lambda of Eq. 13

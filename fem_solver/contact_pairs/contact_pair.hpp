@@ -1,0 +1,82 @@
+#pragma once
+// Contact inside the mesh: the nodes of one facet set (soil) against another (a skirt).
+//
+// Per node:
+//   f_n = k max(0, g - phi)            [N] phi the distance to the surface, g where it touches
+//   t   = t_old - k du_t               [N] elastic stick, du_t the tangential slip of the step
+//   |t| <= min(mu f_n, tau_max A)      radial return: what exceeds it slips  [Simo and Hughes 1998,
+//                                      ch. 3; Coulomb with elastic stick, no creep below the limit]
+// t is remembered and turns with the surface. g starts as the distance in the mesh (about
+// fem.contact's gap, so that facets of a round wall do not press unevenly), plus the over-closure
+// f_n/k that balances the nodal forces of the start.
+//
+// Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less:
+//   k <= share/dt^2 / (1/m_node + c/m_surface)
+// with share the part of 4 (1 - cfl^2) that nobody else takes at that node. For a rigid surface
+// 1/m_surface is the body's compliance at that point, and c the number of nodes that may hang on
+// it; then the sum over all contacts stays within the share (element by element Rayleigh bound).
+//
+// On a rigid body the force acts at the node's own place, so that force and moment are equal and
+// opposite to round-off. On deformable facets it is split by the weights of the foot: forces are
+// equal and opposite, and friction leaves a moment of |t| times the gap.
+//
+// A node touches one facet at a time: in a sharp concave corner of the surface only the nearer
+// side.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem_solver/contact_pairs/contact_set.hpp"
+#include "fem_solver/nodes.hpp"
+#include "fem_solver/rigid/rigid_body.hpp"
+
+namespace undertow::fem {
+
+/// What the stability of a pair depends on.
+struct ContactBudget {
+    double dt = 0;              // [s] largest step that will be taken
+    std::vector<double> share;  // per node of the set: of (omega dt)^2
+};
+
+/// Sums over a pair's nodes, of the last evaluation.
+struct ContactTotals {
+    double normal_force = 0;  // [N] sum of f_n
+    Vec3 friction{};          // [N] sum of t, on the nodes
+    int touching = 0;         // nodes with f_n > 0
+    int slipping = 0;         // of them, at the limit of friction
+};
+
+class ContactPair {
+ public:
+    /// At rest where `nodes` are. InputError if no node is near the surface, or one lies inside.
+    ContactPair(ContactSet set, const Nodes& nodes, const std::vector<RigidBody>& bodies,
+                const ContactBudget& budget, int threads);
+    ~ContactPair();
+    ContactPair(ContactPair&&) noexcept;
+
+    /// Over-closes each touching node so that its normal force meets the nodal forces `load` [N]
+    /// (weight, stress and all) that push it into the surface; nodes pulled away carry nothing.
+    void balance(const NodeRows& load);
+    /// Adds the forces at n to nodes.f and to the body; dt led from n-1 to n.
+    void evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt);
+    /// From here on energies count from now.
+    void count_from_here();
+
+    const ContactSet& set() const;
+    const ContactTotals& totals() const;
+    double elastic_energy() const;  // [J] stored in springs, against the start
+    double friction_work() const;   // [J] dissipated
+    double largest_step() const;    // [s] for which the stiffness was made
+    int nodes_near() const;         // that touched in the mesh
+    /// Smallest of k h/(E A) over the nodes: 10 unless the budget was tighter.
+    double softest() const;
+    int searches() const;
+
+ private:
+    struct State;
+    std::unique_ptr<State> s_;
+};
+
+}  // namespace undertow::fem
