@@ -104,30 +104,38 @@ void FluidSystem::pack(double t) {
 
 /// To be called by all threads of a parallel region: each packs its share.
 void FluidSystem::pack_fluid() {
-    const FixedPoint fixed = neighbors_.fixed();
-    const FluidTag tag = tag_;
-    const FluidLaw* fluids = physics_.fluids.data();
     Packed* records = neighbors_.records().data();
-    const int n = static_cast<int>(particles.size());
-    if (!particles.viscosity.empty()) {
-#pragma omp for schedule(static)
-        for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = particles.viscosity[i];
-    }
-#pragma omp for schedule(static)
-    for (int i = 0; i < n; ++i) {
-        const FluidLaw& fluid = fluids[particles.fluid[i]];
-        const double mass = fluid.rho0 * fluid.volume;
-        particles.p[i] = fluid.pressure(particles.drho[i], particles.energy[i]);
+    Particles& s = particles;
+    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_](
+                              int i, const FluidLaw& fluid, double mass) {
+        s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
         Packed& q = records[i];
-        q.x = fixed(particles.x[i], fixed.x0);
-        q.y = fixed(particles.y[i], fixed.y0);
-        q.z = fixed(particles.z[i], fixed.z0);
-        q.volume = tag(mass / (fluid.rho0 + particles.drho[i]), particles.fluid[i]);
-        q.vx = static_cast<float>(particles.vx[i]);
-        q.vy = static_cast<float>(particles.vy[i]);
-        q.vz = static_cast<float>(particles.vz[i]);
-        q.p = static_cast<float>(particles.p[i]);
+        q.x = fixed(s.x[i], fixed.x0);
+        q.y = fixed(s.y[i], fixed.y0);
+        q.z = fixed(s.z[i], fixed.z0);
+        q.volume = tag(mass / (fluid.rho0 + s.drho[i]), s.fluid[i]);
+        q.vx = static_cast<float>(s.vx[i]);
+        q.vy = static_cast<float>(s.vy[i]);
+        q.vz = static_cast<float>(s.vz[i]);
+        q.p = static_cast<float>(s.p[i]);
+    };
+    const int n = static_cast<int>(s.size());
+    if (physics_.fluids.size() == 1) {
+        const FluidLaw fluid = physics_.fluids[0];
+        const double mass = fluid.rho0 * fluid.volume;
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i) pack_one(i, fluid, mass);
+    } else {
+        const FluidLaw* fluids = physics_.fluids.data();
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i) {
+            const FluidLaw& fluid = fluids[s.fluid[i]];
+            pack_one(i, fluid, fluid.rho0 * fluid.volume);
+        }
     }
+    if (s.viscosity.empty()) return;
+#pragma omp for schedule(static)
+    for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = s.viscosity[i];
 }
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
@@ -140,7 +148,7 @@ void FluidSystem::pack_extras(bool of_plates) {
     for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
         for (int a = 0; a < 3; ++a)
             slope[f][a] = static_cast<float>(physics_.fluids[f].rho0 * g[a] * fixed.unit);
-    const bool viscous = !particles.viscosity.empty();
+    const bool viscous = !particles.viscosity.empty(), single = physics_.fluids.size() == 1;
     const Packed* fluid_records = neighbors_.records().data();
     Packed* records = neighbors_.records().data() + neighbors_.first_extra();
     float* viscosity = neighbors_.viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
@@ -151,7 +159,7 @@ void FluidSystem::pack_extras(bool of_plates) {
         const int s = extras[e].source;
         const bool plate = extras[e].from_plate;
         if (plate != of_plates) continue;
-        const std::uint8_t own = plate ? plates.fluid[s] : particles.fluid[s];
+        const std::uint8_t own = single ? 0 : plate ? plates.fluid[s] : particles.fluid[s];
         if (viscous) viscosity[e] = plate ? plates.viscosity[s] : particles.viscosity[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
         if (!plate && mirror.diagonal) {   // the usual tank: from record to record

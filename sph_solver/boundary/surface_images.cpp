@@ -206,7 +206,9 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     const FixedPoint& fixed = neighbors.fixed();
     const std::vector<Packed>& records = neighbors.records();
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale();
-    const bool variable = !p.viscosity.empty();
+    // of the records: the sums have found the next ones already
+    const std::vector<float>& viscosity = neighbors.viscosity();
+    const bool variable = !viscosity.empty();
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;
@@ -267,7 +269,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                      level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
         const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
         const double pair_mu =
-            variable ? harmonic_mean(double(p.viscosity[a]), double(p.viscosity[b]))
+            variable ? harmonic_mean(double(viscosity[a]), double(viscosity[b]))
                      : mu[of_a][of_b];
         const double laminar = 2 * pair_mu * F;
         const double mean = p.p[a] + p.p[b] + viscous;

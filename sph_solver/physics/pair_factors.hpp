@@ -82,8 +82,9 @@ void acceleration(const Factors<Scalar, OfOwn>& k, Real per_rho, const PairSums<
 
 /// gd = sqrt(2 D':D') of the deviatoric strain rate D', with grad v = G M^-1, which is exact in a
 /// linear field for any arrangement of neighbors: G ~ sum V F v_ij x_ij, M ~ sum V F x_ij x_ij,
-/// about one. Where det M < 0.05 (a few particles in the air; behind a plane surface it is a half,
-/// in a corner of three faces an eighth) M is not inverted.   [1/s]
+/// about one. M is not inverted where the neighbors lie nearly in a plane or on a line (drops, sheets
+/// one particle thin): det M < 0.05 (tr M/3)^3, a measure of shape that surfaces, edges and corners
+/// of a body pass.   [1/s]
 /// to_gradient: scale unit [1/(m^d unit)]; to_moment: scale unit^2.
 template <class Real, class Scalar>
 Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, int dimension) {
@@ -93,7 +94,8 @@ Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, 
     const Real cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy,
                cyy = xx * zz - xz * xz, cyz = xy * xz - xx * yz, czz = xx * yy - xy * xy;
     const Real det = xx * cxx + xy * cxy + xz * cxz;
-    const auto surrounded = det > Scalar(0.05);
+    const Real trace = xx + yy + zz;
+    const auto surrounded = det > Scalar(0.05 / 27) * trace * trace * trace;
     const Real none = det * Scalar(0), one = none + Scalar(1), per_det = one / (surrounded ? det : one);
     const Real ixx = surrounded ? cxx * per_det : one, ixy = surrounded ? cxy * per_det : none,
                ixz = surrounded ? cxz * per_det : none, iyy = surrounded ? cyy * per_det : one,

@@ -54,18 +54,18 @@ std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborho
         Lanes i = load_cluster(records, first, n);
         double* force = &part[cluster * planes * fluids];
         const auto add = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
-            for (std::size_t f = 0; f < fluids; ++f) {
-                double a[3] = {0, 0, 0};
-                for (int lane = 0; lane < members; ++lane)
-                    if (fluids == 1 || FluidTag::of(records[first + lane]) == f)
-                        a[0] += ax[lane], a[1] += ay[lane], a[2] += az[lane];
-                for (std::size_t p = 0; p < planes; ++p)
-                    if (mask >> p & 1) {
-                        const Vec3& normal = mirror.plane(static_cast<int>(p)).normal;
-                        force[p * fluids + f] +=
-                            physics.fluids[f].mass *
-                            (a[0] * normal[0] + a[1] * normal[1] + a[2] * normal[2]);
-                    }
+            double a[FluidTag::most][3] = {};
+            for (int lane = 0; lane < members; ++lane) {
+                double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
+                of[0] += ax[lane], of[1] += ay[lane], of[2] += az[lane];
+            }
+            for (std::size_t p = 0; p < planes; ++p) {
+                if (!(mask >> p & 1)) continue;
+                const Vec3& normal = mirror.plane(static_cast<int>(p)).normal;
+                for (std::size_t f = 0; f < fluids; ++f)
+                    force[p * fluids + f] +=
+                        physics.fluids[f].mass *
+                        (a[f][0] * normal[0] + a[f][1] * normal[1] + a[f][2] * normal[2]);
             }
         };
         if (!mixed) {
