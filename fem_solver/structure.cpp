@@ -48,7 +48,7 @@ void Structure::internal_forces() {
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;
     plastic_work_ += report_.plastic_work;
-    model_.far_field.add_reaction(nodes_.f);
+    model_.far_field.react(nodes_.x, nodes_.f);
 }
 
 void Structure::pressure_forces(double t) {

@@ -129,6 +129,65 @@ TEST_CASE("energy given to soil is found again: stored, plastic, or gone with th
     CHECK(std::abs(e.balance_error()) < 1e-4 * std::abs(e.far_field + e.internal));
 }
 
+struct Push {
+    double u, growth;  // [m] of the pushed soil after 1.2 s, and its change in the last 0.3 s
+    double balance;    // error over the work done
+};
+
+/// Half a soil box of 12 x 6 x 6 m whose middle is pushed sideways with 30 kN that stay.
+Push push_sideways(std::optional<Vec3> center) {
+    const double h = 0.75;
+    BlockCase block{{12, 6, 6}, {16, 8, 8}, 4.77e6, 0.49, 1846};
+    Case c = block.settings();
+    c.fem.block->box = {{-6, 0, -6}, {6, 6, 0}};
+    c.fem.support = {{"ymin", {"y"}}};
+    for (const char* set : {"xmin", "xmax", "ymax", "zmin"})
+        c.fem.absorbing.push_back({set, center});
+    Structure s(build_model(c), 1);
+    s.release_far_field();
+    Nodes& nodes = s.nodes();
+    std::vector<std::int32_t> pushed;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const double* x = nodes.x0[n].c;
+        if (x[2] > -2.3 && std::hypot(x[0], x[1]) < 1.5 * h + 0.1)
+            pushed.push_back(std::int32_t(n));
+    }
+    const auto mean = [&] {
+        double u = 0;
+        for (std::int32_t n : pushed) u += s.displacement(n)[0] / double(pushed.size());
+        return u;
+    };
+    const double dt = s.stable_step().dt;
+    double at_900 = 0, work = 0;
+    Energies e;
+    for (int n = 0; n * dt < 1.2; ++n) {
+        s.internal_forces();
+        const double force = 3e4 * std::min(1.0, n * dt / 0.2) / double(pushed.size());
+        for (std::int32_t i : pushed) {
+            nodes.f[i].c[0] += force;
+            if (n > 0) work += 0.5 * dt * force * nodes.v[i].c[0];
+        }
+        s.kick(dt);
+        e = s.energies();
+        if (n * dt < 1.2 - dt)
+            for (std::int32_t i : pushed) work += 0.5 * dt * force * nodes.v[i].c[0];
+        s.drift(dt);
+        if (n * dt < 0.9) at_900 = mean();
+    }
+    return {mean(), mean() - at_900, (e.balance_error() - work) / work};
+}
+
+TEST_CASE("springs stand for the soil beyond: a load that stays finds its rest") {
+    const Push alone = push_sideways({}), supported = push_sideways(Vec3{0, 0, 0});
+    WARN("pushed by 30 kN: " << 1e3 * alone.u << " mm, growing by " << 1e3 * alone.growth
+                             << " mm in 0.3 s, on dashpots alone; " << 1e3 * supported.u
+                             << " mm and " << 1e3 * supported.growth << " mm with springs");
+    CHECK(alone.growth > 0.05 * alone.u);
+    CHECK(std::abs(supported.growth) < 0.015 * supported.u);  // the last of the ringing
+    CHECK(std::abs(supported.balance) < 1e-3);  // the last half step of the work done here
+    CHECK(std::abs(alone.balance) < 1e-3);
+}
+
 TEST_CASE("only faces of elements can absorb") {
     Case c = soil_block(1);
     c.fem.absorbing = {{"zmax"}};
