@@ -69,7 +69,7 @@ void Structure::contact_forces(std::span<const double> f) {
 }
 
 void Structure::release_far_field() {
-    if (model_.far_field.empty()) return;
+    if (model_.far_field.empty() || model_.far_field.released()) return;
     std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
     report_ = elements_.step(nodes_, 0, threads_);  // no time, no strain: forces of the stresses
     pressure_forces(0);

@@ -103,6 +103,10 @@ void AbsorbingBoundary::release(Nodes& nodes, const Vec3& gravity) {
     released_ = true;
 }
 
+void AbsorbingBoundary::reset_work() {
+    reaction_.work = dissipated_ = ahead_ = 0;
+}
+
 void AbsorbingBoundary::react(const NodeRows& x, NodeRows& f) {
     if (!released_) return;
     for (std::size_t i = 0; i < spring_.size(); ++i) {

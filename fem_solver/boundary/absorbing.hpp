@@ -36,6 +36,9 @@ class AbsorbingBoundary {
     AbsorbingBoundary(const std::vector<AbsorbingFacet>& facets, const std::vector<Vec3>& x);
 
     bool empty() const { return reaction_.node.empty(); }
+    bool released() const { return released_; }
+    /// Work counts from here.
+    void reset_work();
     /// Holds its nodes in every direction; after the supports are in.
     void hold(Nodes& nodes);
     /// Frees what hold() held, and keeps as a constant force what held it: nodes.f are all other

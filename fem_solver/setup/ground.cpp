@@ -54,6 +54,7 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
     const std::vector<int> part_of = part_of_elements(mesh, parts);
     std::vector<InitialStress> all;
     for (std::int32_t e : mesh.elements_of(ground.set, "fem.geostatic")) {
+        if (part_of[e] < 0) continue;  // nothing that could be stressed
         const Part& part = parts[part_of[e]];
         double z = 0;
         for (std::int32_t n : mesh.hexahedra[e]) z += mesh.x[n][2] / 8;
@@ -90,7 +91,7 @@ AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
             const Hexahedron& h = mesh.hexahedra[e];
             const auto found =
                 facets.find(sorted({h[corners[0]], h[corners[1]], h[corners[2]], h[corners[3]]}));
-            if (found == facets.end()) continue;
+            if (found == facets.end() || part_of[e] < 0) continue;
             const Part& part = parts[part_of[e]];
             const LinearElastic& moduli = elastic_moduli(part.material);
             AbsorbingFacet& facet = found->second.facet;
@@ -108,8 +109,8 @@ AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
         if (!(facet.normal_impedance > 0))
             throw InputError("fem.absorbing: a facet (nodes " + std::to_string(nodes[0]) + ", " +
                              std::to_string(nodes[1]) +
-                             ", ...) is not a face of any hexahedron; only the outer skin of the "
-                             "elements can absorb waves.");
+                             ", ...) is not a face of any hexahedron that deforms; only the outer "
+                             "skin of those can absorb waves.");
         list.push_back(facet);
     }
     return AbsorbingBoundary(list, mesh.x);
