@@ -96,7 +96,7 @@ void Structure::internal_forces() {
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;
     plastic_work_ += report_.plastic_work;
-    model_.far_field.add_reaction(nodes_.f);
+    model_.far_field.react(nodes_.x, nodes_.f);
     if (!pairs_.empty()) pair_forces();
 }
 
@@ -118,7 +118,7 @@ void Structure::contact_forces(std::span<const double> f) {
 }
 
 void Structure::release_far_field() {
-    if (model_.far_field.empty()) return;
+    if (model_.far_field.empty() || model_.far_field.released()) return;
     std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
     report_ = elements_.step(nodes_, 0, threads_);  // no time, no strain: forces of the stresses
     pressure_forces(0);

@@ -214,7 +214,8 @@ std::vector<double> Hexahedra::plastic_strain() const {
     std::vector<double> out(size(), 0.0);
     if (any_plastic())
         for (std::size_t e = 0; e < size(); ++e)
-            out[e] = plastic_strain_[slot_of_[e] / n_lanes][slot_of_[e] % n_lanes];
+            if (slot_of_[e] >= 0)  // else of no part
+                out[e] = plastic_strain_[slot_of_[e] / n_lanes][slot_of_[e] % n_lanes];
     return out;
 }
 

@@ -24,6 +24,19 @@ Quad sorted(Quad q) {
     return q;
 }
 
+struct FarFacet {
+    AbsorbingFacet facet;
+    std::optional<Vec3> center;  // [m] where the loads act
+};
+
+double distance_to_center(const Quad& q, const std::vector<Vec3>& x, const Vec3& center) {
+    double squared = 0;
+    for (int d = 0; d < 3; ++d)
+        squared +=
+            std::pow(0.25 * (x[q[0]][d] + x[q[1]][d] + x[q[2]][d] + x[q[3]][d]) - center[d], 2);
+    return std::sqrt(squared);
+}
+
 std::vector<int> part_of_elements(const Mesh& mesh, const std::vector<Part>& parts) {
     std::vector<int> part_of(mesh.hexahedra.size(), -1);
     for (std::size_t p = 0; p < parts.size(); ++p)
@@ -41,6 +54,7 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
     const std::vector<int> part_of = part_of_elements(mesh, parts);
     std::vector<InitialStress> all;
     for (std::int32_t e : mesh.elements_of(ground.set, "fem.geostatic")) {
+        if (part_of[e] < 0) continue;  // nothing that could be stressed
         const Part& part = parts[part_of[e]];
         double z = 0;
         for (std::int32_t n : mesh.hexahedra[e]) z += mesh.x[n][2] / 8;
@@ -67,30 +81,36 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
 AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
                                  const std::vector<Part>& parts) {
     if (fem.absorbing.empty()) return {};
-    std::map<Quad, AbsorbingFacet> facets;  // by sorted nodes: sets may overlap
+    std::map<Quad, FarFacet> facets;  // by sorted nodes: sets may overlap
     for (const FemAbsorbing& a : fem.absorbing)
         for (const Quad& q : mesh.facets_of(a.set, "fem.absorbing"))
-            facets[sorted(q)] = AbsorbingFacet{q, 0, 0};
+            facets[sorted(q)] = {{.node = q}, a.center};
     const std::vector<int> part_of = part_of_elements(mesh, parts);
     for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
         for (const auto& corners : hexahedron_face) {
             const Hexahedron& h = mesh.hexahedra[e];
             const auto found =
                 facets.find(sorted({h[corners[0]], h[corners[1]], h[corners[2]], h[corners[3]]}));
-            if (found == facets.end()) continue;
+            if (found == facets.end() || part_of[e] < 0) continue;
             const Part& part = parts[part_of[e]];
             const LinearElastic& moduli = elastic_moduli(part.material);
-            found->second.normal_impedance =
+            AbsorbingFacet& facet = found->second.facet;
+            facet.normal_impedance =
                 std::sqrt(part.density * (moduli.lambda + 2 * moduli.mu));  // rho c_p
-            found->second.shear_impedance = std::sqrt(part.density * moduli.mu);
+            facet.shear_impedance = std::sqrt(part.density * moduli.mu);
+            if (!found->second.center) continue;
+            const double r = distance_to_center(facet.node, mesh.x, *found->second.center);
+            facet.normal_stiffness = 4 * moduli.mu / r;
+            facet.shear_stiffness = 2 * moduli.mu / r;
         }
     std::vector<AbsorbingFacet> list;
-    for (const auto& [nodes, facet] : facets) {
+    for (const auto& [nodes, far] : facets) {
+        const AbsorbingFacet& facet = far.facet;
         if (!(facet.normal_impedance > 0))
             throw InputError("fem.absorbing: a facet (nodes " + std::to_string(nodes[0]) + ", " +
                              std::to_string(nodes[1]) +
-                             ", ...) is not a face of any hexahedron; only the outer skin of the "
-                             "elements can absorb waves.");
+                             ", ...) is not a face of any hexahedron that deforms; only the outer "
+                             "skin of those can absorb waves.");
         list.push_back(facet);
     }
     return AbsorbingBoundary(list, mesh.x);

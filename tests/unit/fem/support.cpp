@@ -14,7 +14,6 @@ Case BlockCase::settings() const {
     c.fem.material = {{.name = "solid",
                        .kind = MaterialKind::linear_elastic,
                        .density = density,
-                       .weight_density = {},
                        .young_modulus = young_modulus,
                        .poisson_ratio = poisson_ratio}};
     c.fem.part = {{"block", "solid"}};
