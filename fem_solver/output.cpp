@@ -66,6 +66,7 @@ std::vector<std::string> energy_columns(const Model& model) {
     if (!model.contacts.empty()) {
         columns.push_back("contact springs [J]");
         columns.push_back("friction [J]");
+        columns.push_back("contact damping [J]");
     }
     columns.push_back("balance error [J]");
     return columns;
@@ -131,6 +132,7 @@ void Output::write_rows(double t, const Structure& structure) {
     if (!structure.pairs().empty()) {
         row_.push_back(e.pair_springs);
         row_.push_back(e.pair_friction);
+        row_.push_back(e.pair_damping);
     }
     row_.push_back(e.balance_error());
     energy_.row(row_);

@@ -23,7 +23,6 @@ Structure::Structure(Model model, int threads)
     for (const RigidSet& set : model_.rigid) {
         for (std::int32_t n : set.nodes) is_rigid_[n] = 1;
         bodies_.emplace_back(set, nodes_);
-        bodies_.back().count_from_here(model_.gravity);
     }
     report_.omega2 = elements_.omega2_start();
     find_frequency();
@@ -61,7 +60,7 @@ void Structure::make_pairs() {
     for (NodeRow& f : nodes_.f) f = NodeRow{};
     pair_forces();
     for (ContactPair& pair : pairs_) pair.count_from_here();
-    for (RigidBody& body : bodies_) body.count_from_here(model_.gravity);
+    for (RigidBody& body : bodies_) body.count_from_here();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
 }
 
@@ -144,7 +143,7 @@ void Structure::count_from_here() {
     strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
     contact_.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
-    for (RigidBody& body : bodies_) body.count_from_here(model_.gravity);
+    for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
 }
 
@@ -244,6 +243,7 @@ Energies Structure::energies() const {
     for (const ContactPair& pair : pairs_) {
         e.pair_springs += pair.elastic_energy();
         e.pair_friction += pair.friction_work();
+        e.pair_damping += pair.damping_work();
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     e.contact = contact_.work;

@@ -27,11 +27,12 @@ struct Energies {
     double external = 0;        // done by weight and pressure
     double contact = 0;         // done by the contact forces of the coupler
     double pair_springs = 0;    // stored in contact inside the mesh
-    double pair_friction = 0;   // dissipated there
+    double pair_friction = 0;   // dissipated there by slip
+    double pair_damping = 0;    // and along the normals
     /// What does not add up.
     double balance_error() const {
         return kinetic + internal + hourglass + bulk_viscosity + damping + pair_springs +
-               pair_friction - external - contact;
+               pair_friction + pair_damping - external - contact;
     }
 };
 

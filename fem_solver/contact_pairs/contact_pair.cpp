@@ -15,6 +15,10 @@ using Vector = Eigen::Vector3d;
 
 constexpr double stiffness_factor = 10;  // k h/(E A): the spring yields a tenth of the element
 
+// Share of critical damping along the normal: enough to quiet the flutter of a sliding elastic body
+// and the chatter of its nodes; friction has none, so nothing creeps.
+constexpr double damping_ratio = 0.1;
+
 // A node that far from the surface, in gaps, still counts as touching in the mesh: at the corner of
 // a tip the distance is sqrt(2) gaps.
 constexpr double near_in_gaps = 1.5;
@@ -32,14 +36,16 @@ Vec3 array(const Vector& a) {
 /// One node of the set, and what it remembers.
 struct Toucher {
     double k = 0;                      // [N/m]
+    double damping = 0;                // [N s/m] along the normal
     double reach = 0;                  // [m] g: it touches where the distance is less
     Vector friction = Vector::Zero();  // [N] t, on the node
     double normal_force = 0;           // [N] f_n
+    double damping_force = 0;          // [N] part of f_n that is not k (g - phi)
     bool near_at_start = false;
     // of the last evaluation
     Touch touch;
     bool has_touch = false, slips = false;
-    double dissipated = 0;  // [J] of the step
+    double slipped = 0, damped = 0;  // [J] dissipated in the step
 };
 
 }  // namespace
@@ -59,7 +65,7 @@ struct ContactPair::State {
     int searches = 0;
 
     ContactTotals totals;
-    double stored = 0, stored_from = 0, dissipated = 0;  // [J]
+    double stored = 0, stored_from = 0, slipped = 0, damped = 0;  // [J]
     double softest = stiffness_factor;
 
     State(ContactSet s, const Nodes& nodes, int n_threads)
@@ -191,8 +197,14 @@ void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<Rig
             node_yields = std::max(node_yields, nodes.inverse_mass[set.nodes[i]].c[d]);
         const double yields = node_yields + surface_compliance(i, nodes, bodies, hanging);
         const double wanted = stiffness_factor * set.stiffness[i];
-        const double allowed = budget.share[i] / (budget.dt * budget.dt * yields);
-        toucher[i].k = yields > 0 ? std::min(wanted, allowed) : wanted;
+        toucher[i].k = wanted;
+        if (yields > 0) {
+            // beta + 2 eta = share, beta = (omega dt)^2, eta = c dt/m = 2 zeta omega dt
+            const double root = std::sqrt(4 * damping_ratio * damping_ratio + budget.share[i]);
+            const double omega = (root - 2 * damping_ratio) / budget.dt;
+            toucher[i].k = std::min(wanted, omega * omega / yields);
+            toucher[i].damping = 2 * damping_ratio * std::sqrt(toucher[i].k / yields);
+        }
         softest = std::min(softest, toucher[i].k / set.stiffness[i]);
     }
 }
@@ -201,23 +213,28 @@ void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<Rig
 void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, double dt) {
     Toucher& t = toucher[i];
     t.slips = false;
-    t.dissipated = 0;
-    const double stored = t.friction.squaredNorm() / t.k / 2;
+    t.slipped = t.damped = 0;
     const bool touches = find_touch(i) && t.touch.distance < t.reach;
     if (!touches) {
+        t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
         t.has_touch = false;
-        t.normal_force = 0;
-        t.dissipated = stored;  // the spring snaps back
+        t.normal_force = t.damping_force = 0;
         t.friction.setZero();
         return;
     }
-    t.normal_force = t.k * (t.reach - t.touch.distance);
-    const Vector at(x[3 * i], x[3 * i + 1], x[3 * i + 2]),
-        speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+    const Vector at(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    const Vector speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
     const Vector& n = t.touch.normal;
     const Vector offset = at - surface.position(t.touch);
     Vector slip = dt * (speed - surface.velocity(t.touch) - turn_rate.cross(offset));
-    slip -= slip.dot(n) * n;
+    const double parting = slip.dot(n);  // [m] in the step
+    slip -= parting * n;
+
+    const double spring = t.k * (t.reach - t.touch.distance);
+    const double damping_before = t.damping_force;
+    t.normal_force = std::max(0.0, spring - (dt > 0 ? t.damping * parting / dt : 0));
+    t.damping_force = t.normal_force - spring;
+    t.damped = -0.5 * (damping_before + t.damping_force) * parting;
 
     // The remembered force turns with the surface and into the present tangent plane.
     Vector old = t.friction + dt * turn_rate.cross(t.friction);
@@ -231,7 +248,7 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     const double trial = now.norm();
     if (trial > limit) {
         const Vector returned = (limit / trial) * now;
-        t.dissipated = 0.5 * (old + returned).dot(now - returned) / t.k;
+        t.slipped = 0.5 * (old + returned).dot(now - returned) / t.k;
         now = returned;
         t.slips = true;
     }
@@ -282,10 +299,12 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
     s.stored = 0;
     for (std::int64_t i = 0; i < n; ++i) {
         const Toucher& t = s.toucher[i];
-        s.dissipated += t.dissipated;
+        s.slipped += t.slipped;
+        s.damped += t.damped;
         if (!t.has_touch) continue;
         const Vector force = t.normal_force * t.touch.normal + t.friction;
-        s.stored += 0.5 * (t.normal_force * t.normal_force + t.friction.squaredNorm()) / t.k;
+        const double spring = t.normal_force - t.damping_force;
+        s.stored += 0.5 * (spring * spring + t.friction.squaredNorm()) / t.k;
         s.totals.normal_force += t.normal_force;
         ++s.totals.touching;
         s.totals.slipping += t.slips;
@@ -312,7 +331,7 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
 
 void ContactPair::count_from_here() {
     s_->stored_from = s_->stored;
-    s_->dissipated = 0;
+    s_->slipped = s_->damped = 0;
 }
 
 const ContactSet& ContactPair::set() const {
@@ -325,7 +344,10 @@ double ContactPair::elastic_energy() const {
     return s_->stored - s_->stored_from;
 }
 double ContactPair::friction_work() const {
-    return s_->dissipated;
+    return s_->slipped;
+}
+double ContactPair::damping_work() const {
+    return s_->damped;
 }
 double ContactPair::largest_step() const {
     return s_->dt_limit;

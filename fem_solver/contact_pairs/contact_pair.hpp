@@ -2,7 +2,8 @@
 // Contact inside the mesh: the nodes of one facet set (soil) against another (a skirt).
 //
 // Per node:
-//   f_n = k max(0, g - phi)            [N] phi the distance to the surface, g where it touches
+//   f_n = max(0, k (g - phi) - c dphi/dt)   [N] phi the distance to the surface, g where it
+//                                      touches; c a tenth of critical, no tension
 //   t   = t_old - k du_t               [N] elastic stick, du_t the tangential slip of the step
 //   |t| <= min(mu f_n, tau_max A)      radial return: what exceeds it slips  [Simo and Hughes 1998,
 //                                      ch. 3; Coulomb with elastic stick, no creep below the limit]
@@ -11,9 +12,10 @@
 // f_n/k that balances the nodal forces of the start.
 //
 // Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less:
-//   k <= share/dt^2 / (1/m_node + c/m_surface)
+//   beta + 2 eta <= share,  beta = k dt^2 / m_eff,  eta = c dt / m_eff
+//   1/m_eff = 1/m_node + n/m_surface
 // with share the part of 4 (1 - cfl^2) that nobody else takes at that node. For a rigid surface
-// 1/m_surface is the body's compliance at that point, and c the number of nodes that may hang on
+// 1/m_surface is the body's compliance at that point, and n the number of nodes that may hang on
 // it; then the sum over all contacts stays within the share (element by element Rayleigh bound).
 //
 // On a rigid body the force acts at the node's own place, so that force and moment are equal and
@@ -67,7 +69,8 @@ class ContactPair {
     const ContactSet& set() const;
     const ContactTotals& totals() const;
     double elastic_energy() const;  // [J] stored in springs, against the start
-    double friction_work() const;   // [J] dissipated
+    double friction_work() const;   // [J] dissipated by slip
+    double damping_work() const;    // [J] dissipated along the normals
     double largest_step() const;    // [s] for which the stiffness was made
     int nodes_near() const;         // that touched in the mesh
     /// Smallest of k h/(E A) over the nodes: 10 unless the budget was tighter.

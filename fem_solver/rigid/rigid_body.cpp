@@ -46,7 +46,7 @@ struct RigidBody::State {
 
     Vector center_from, contact_force_from = Vector::Zero(), contact_moment_from = Vector::Zero();
     Eigen::Quaterniond turned_from = Eigen::Quaterniond::Identity();
-    double weight_work_from = 0;  // [J]
+    Vector weight_point_from;  // [m]
 
     /// w with I w = L among the free axes.
     Vector solve_among_free(const Matrix& I, const Vector& l) const {
@@ -95,6 +95,7 @@ RigidBody::RigidBody(RigidSet set, Nodes& nodes) : s_(std::make_unique<State>())
         for (int d = 0; d < 3; ++d) nodes.inverse_mass[n].c[d] = 0;
     }
     s.weight_arm = vector(s.set.weight_center) - s.center;
+    s.weight_point_from = s.weight_point();
     for (int d = 0; d < 3; ++d) {
         s.free_move[d] = s.set.free[d] ? 1 : 0;
         s.free_turn[d] = s.set.free[3 + d] ? 1 : 0;
@@ -177,17 +178,17 @@ void RigidBody::stop(Nodes& nodes) {
     rest_nodes(nodes);
 }
 
-void RigidBody::count_from_here(const Vec3& gravity) {
+void RigidBody::count_from_here() {
     State& s = *s_;
     s.center_from = s.center;
     s.turned_from = s.turned;
     s.contact_force_from = s.contact_force;
     s.contact_moment_from = s.contact_moment;
-    s.weight_work_from = s.set.weight_mass * vector(gravity).dot(s.weight_point());
+    s.weight_point_from = s.weight_point();
 }
 
 double RigidBody::weight_work(const Vec3& gravity) const {
-    return s_->set.weight_mass * vector(gravity).dot(s_->weight_point()) - s_->weight_work_from;
+    return s_->set.weight_mass * vector(gravity).dot(s_->weight_point() - s_->weight_point_from);
 }
 
 Wrench RigidBody::contact() const {

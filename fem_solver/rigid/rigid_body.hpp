@@ -49,7 +49,7 @@ class RigidBody {
     /// Ends all motion.
     void stop(Nodes& nodes);
     /// From here on displacement, rotation, work of the weight and contact() count from now.
-    void count_from_here(const Vec3& gravity);
+    void count_from_here();
 
     const RigidSet& set() const;
     double mass() const;                    // [kg] with what was added
