@@ -106,6 +106,7 @@ class Structure {
  private:
     void find_frequency();
     void make_pairs();
+    ContactBudget budget_of(const ContactSet& set) const;
     void pair_forces();
 
     Model model_;

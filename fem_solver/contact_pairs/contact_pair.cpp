@@ -79,8 +79,10 @@ struct ContactPair::State {
     void search();
     bool is_stale() const;
     void find_start(const Nodes& nodes);
-    double surface_compliance(std::size_t i, const Nodes& nodes,
-                              const std::vector<RigidBody>& bodies, int hanging) const;
+    double surface_yields(const Nodes& nodes) const;
+    std::vector<double> stiffness_at(double s, const std::vector<double>& omega,
+                                     const std::vector<double>& yields, const RigidBody* body,
+                                     const ContactBudget& budget) const;
     int largest_valence() const;
     void set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
                        const ContactBudget& budget);
@@ -172,40 +174,70 @@ int ContactPair::State::largest_valence() const {
     return 1 + *std::max_element(count.begin(), count.end());
 }
 
-/// c/m_surface [1/kg] of node i's contact.
-double ContactPair::State::surface_compliance(std::size_t i, const Nodes& nodes,
-                                              const std::vector<RigidBody>& bodies,
-                                              int hanging) const {
-    if (set.body >= 0) {
-        const Vec3 at = {nodes.x[set.nodes[i]].c[0], nodes.x[set.nodes[i]].c[1],
-                         nodes.x[set.nodes[i]].c[2]};
-        return double(set.nodes.size()) * bodies[set.body].compliance(at);
-    }
-    double yields = 0;  // a node without elements is held: its mass is none, its inverse mass 0
+/// [1/kg] n/m of a deformable surface; 0 of one that is held.
+double ContactPair::State::surface_yields(const Nodes& nodes) const {
+    double yields = 0;
     for (std::int32_t n : surface.node())
         for (int d = 0; d < 3; ++d) yields = std::max(yields, nodes.inverse_mass[n].c[d]);
-    return hanging * yields;
+    return largest_valence() * yields;
+}
+
+/// Stiffness when the nodes take the share s of (u_s - u_m)^2, the body the rest.
+std::vector<double> ContactPair::State::stiffness_at(double s, const std::vector<double>& omega,
+                                                     const std::vector<double>& yields,
+                                                     const RigidBody* body,
+                                                     const ContactBudget& budget) const {
+    const std::size_t n = set.nodes.size();
+    std::vector<double> k(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        k[i] = stiffness_factor * set.stiffness[i];
+        if (yields[i] > 0) k[i] = std::min(k[i], s * omega[i] * omega[i] / yields[i]);
+    }
+    if (!body) return k;
+    std::vector<Vec3> at(n);
+    for (std::size_t i = 0; i < n; ++i) at[i] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+    const double slowest = *std::min_element(omega.begin(), omega.end());
+    const double with_damping = 1 + 4 * damping_ratio / (slowest * budget.dt);
+    const double allowed = (1 - s) * budget.surface_share / (budget.dt * budget.dt * with_damping);
+    const double omega2 = body->omega2_on_springs(at, k);
+    if (omega2 > allowed)
+        for (double& stiffness : k) stiffness *= allowed / omega2;
+    return k;
 }
 
 void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
                                        const ContactBudget& budget) {
     dt_limit = budget.dt;
-    const int hanging = largest_valence();
-    for (std::size_t i = 0; i < set.nodes.size(); ++i) {
-        double node_yields = 0;
+    const RigidBody* body = set.body >= 0 ? &bodies[set.body] : nullptr;
+    const std::size_t n = set.nodes.size();
+    const double of_surface = body ? 0 : surface_yields(nodes);
+    std::vector<double> omega(n), yields(n, of_surface);
+    for (std::size_t i = 0; i < n; ++i) {
+        // beta + 2 eta = share, beta = (omega dt)^2, eta = 2 zeta omega dt
+        const double share =
+            body ? budget.share[i] : std::min(budget.share[i], budget.surface_share);
+        omega[i] =
+            (std::sqrt(4 * damping_ratio * damping_ratio + share) - 2 * damping_ratio) / budget.dt;
+        double of_node = 0;
         for (int d = 0; d < 3; ++d)
-            node_yields = std::max(node_yields, nodes.inverse_mass[set.nodes[i]].c[d]);
-        const double yields = node_yields + surface_compliance(i, nodes, bodies, hanging);
-        const double wanted = stiffness_factor * set.stiffness[i];
-        toucher[i].k = wanted;
-        if (yields > 0) {
-            // beta + 2 eta = share, beta = (omega dt)^2, eta = c dt/m = 2 zeta omega dt
-            const double root = std::sqrt(4 * damping_ratio * damping_ratio + budget.share[i]);
-            const double omega = (root - 2 * damping_ratio) / budget.dt;
-            toucher[i].k = std::min(wanted, omega * omega / yields);
-            toucher[i].damping = 2 * damping_ratio * std::sqrt(toucher[i].k / yields);
-        }
-        softest = std::min(softest, toucher[i].k / set.stiffness[i]);
+            of_node = std::max(of_node, nodes.inverse_mass[set.nodes[i]].c[d]);
+        yields[i] += of_node;
+    }
+    std::vector<double> best;
+    double stiffest = -1;
+    for (int tenths = 1; tenths <= (body ? 9 : 1); ++tenths) {
+        const std::vector<double> k =
+            stiffness_at(body ? 0.1 * tenths : 1.0, omega, yields, body, budget);
+        double sum = 0;
+        for (double stiffness : k) sum += stiffness;
+        if (sum <= stiffest) continue;
+        stiffest = sum;
+        best = k;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        toucher[i].k = best[i];
+        toucher[i].damping = 2 * damping_ratio * best[i] / omega[i];
+        softest = std::min(softest, best[i] / set.stiffness[i]);
     }
 }
 

@@ -202,15 +202,28 @@ double RigidBody::reach() const {
     return std::sqrt(squared);
 }
 
-double RigidBody::compliance(const Vec3& x) const {
+double RigidBody::omega2_on_springs(const std::vector<Vec3>& x,
+                                    const std::vector<double>& k) const {
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
     const State& s = *s_;
-    double yields = s.free_move.any() ? 1 / s.mass : 0;
-    if (s.free_turn.any()) {
-        // |arm|^2/I_min: I among the free axes is never less than the smallest eigenvalue of I
-        const Eigen::SelfAdjointEigenSolver<Matrix> eigen(s.inertia, Eigen::EigenvaluesOnly);
-        yields += (vector(x) - s.center).squaredNorm() / eigen.eigenvalues()[0];
+    Matrix6 K = Matrix6::Zero(), M = Matrix6::Identity();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        Eigen::Matrix<double, 3, 6> moves;  // of the point by the six degrees of freedom
+        moves << Matrix::Identity(), -cross_matrix(vector(x[i]) - s.center);
+        K += k[i] * moves.transpose() * moves;
     }
-    return yields;
+    M.topLeftCorner<3, 3>() *= s.mass;
+    M.bottomRightCorner<3, 3>() = s.inertia_at(s.turned.toRotationMatrix());
+    for (int d = 0; d < 6; ++d)
+        if (!s.set.free[d]) {
+            K.row(d).setZero();
+            K.col(d).setZero();
+            M.row(d).setZero();
+            M.col(d).setZero();
+            M(d, d) = 1;
+        }
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, M, Eigen::EigenvaluesOnly)
+        .eigenvalues()[5];
 }
 
 const RigidSet& RigidBody::set() const {

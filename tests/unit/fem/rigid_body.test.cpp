@@ -25,9 +25,9 @@ Case one_body(std::vector<std::string> free = {"x", "y", "z", "rx", "ry", "rz"})
     return c;
 }
 
-Mesh brick(const Vec3& size) {
+Mesh brick(const Vec3& size, std::array<int, 3> divisions = {3, 2, 2}) {
     Mesh mesh;
-    add_block(mesh, "body", {{0, 0, 0}, size}, {3, 2, 2});
+    add_block(mesh, "body", {{0, 0, 0}, size}, divisions);
     return mesh;
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("a free body keeps its moment of momentum to the last bit, its energy 
     // an unequal brick that tumbles about its unstable middle axis
     Structure s(build_model(one_body(), brick({1, 0.5, 0.2})), 1);
     const double dt = 1e-3;
-    spin_up(s, {20, 700, 10}, dt);
+    spin_up(s, {80, 2800, 40}, dt);
     const RigidBody& body = s.bodies()[0];
     const Vec3 L0 = body.moment_of_momentum();
     const Nodes& nodes = s.nodes();
@@ -96,7 +96,7 @@ TEST_CASE("a free body keeps its moment of momentum to the last bit, its energy 
         const double e = s.energies().kinetic;
         low = std::min(low, e);
         high = std::max(high, e);
-        (n <= steps / 2 ? early : late) += e / (steps / 2);
+        (n < steps / 2 ? early : late) += e / (n < steps / 2 ? steps / 2 - 1 : steps / 2);
         const Vec3 w = body.angular_velocity();
         turned += dt * std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
         if (before < 0 && w[0] >= 0) ++up;
@@ -118,9 +118,9 @@ TEST_CASE("a free body keeps its moment of momentum to the last bit, its energy 
 TEST_CASE("a symmetric top precesses about L at L/I") {
     // axes of a square prism: I1 = I2 = I, I3; L makes an angle with the axis of symmetry, which
     // runs round L at L/I  [Landau and Lifshitz, Mechanics, par. 33]
-    Structure s(build_model(one_body(), brick({0.4, 0.4, 1})), 1);
+    Structure s(build_model(one_body(), brick({0.4, 0.4, 1}, {2, 2, 4})), 1);
     const double dt = 2e-4;
-    spin_up(s, {0, 100, 400}, dt);
+    spin_up(s, {0, 1000, 4000}, dt);
     const RigidBody& body = s.bodies()[0];
     const Nodes& nodes = s.nodes();
     // inertia of the lumped nodes about x through the center
@@ -128,13 +128,6 @@ TEST_CASE("a symmetric top precesses about L at L/I") {
     for (std::size_t n = 0; n < nodes.size(); ++n)
         I += nodes.mass[n] * (std::pow(nodes.x0[n].c[1] - 0.2, 2) +
                               std::pow(nodes.x0[n].c[2] - 0.5, 2));
-    double Ix = I, Iy = 0;
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-        Iy += nodes.mass[n] * (std::pow(nodes.x0[n].c[0] - 0.2, 2) +
-                               std::pow(nodes.x0[n].c[2] - 0.5, 2));
-    // 3 x 2 elements are lumped a little differently along x and y: make the test about a body that
-    // is symmetric, not about the mesh
-    CHECK(Ix == Approx(Iy).epsilon(0.05));
     const Vec3 L = body.moment_of_momentum();
     const double size = std::sqrt(L[0] * L[0] + L[1] * L[1] + L[2] * L[2]);
     // component of the axis across L: its angle about L
@@ -155,9 +148,9 @@ TEST_CASE("a symmetric top precesses about L at L/I") {
         last = now;
     });
     const double rate = sum / ((steps - 1) * dt);
-    WARN("top: precession " << rate << " 1/s, L/I = " << size / I << " to " << size / Iy << " over "
+    WARN("top: precession " << rate << " 1/s, L/I = " << size / I << " over "
                             << sum / (2 * pi) << " rounds");
-    CHECK(rate == Approx(2 * size / (I + Iy)).epsilon(0.01));
+    CHECK(rate == Approx(size / I).epsilon(1e-3));
 }
 
 TEST_CASE("a rigid body falls as everything does, and an added mass without weight slows it") {
@@ -168,14 +161,15 @@ TEST_CASE("a rigid body falls as everything does, and an added mass without weig
     c.fem.rigid[0].added_at = {0.5, 0.25, 0.1};  // its center, so that it does not turn
     Structure s(build_model(c, brick({1, 0.5, 0.2})), 1);
     const double dt = 1e-3;
-    march(s, dt, 500);
+    Energies last;
+    march(s, dt, 500, [&](int) { last = s.energies(); });
     const double a = 9.81 * 785 / (785 + added);
     CHECK(s.bodies()[0].displacement()[2] == Approx(-0.5 * a * 0.25).epsilon(1e-10));
     CHECK(s.displacement(3)[2] == Approx(-0.5 * a * 0.25).epsilon(1e-10));
     CHECK(std::abs(s.displacement(3)[0]) < 1e-12);
     // 1/2 m v- v+ begins at -m (a dt)^2/8: a constant offset of second order in dt
     const double m = 785 + added;
-    CHECK(std::abs(s.energies().balance_error()) < 1.01 / 8 * m * std::pow(a * dt, 2));
+    CHECK(std::abs(last.balance_error()) < 1.01 / 8 * m * std::pow(a * dt, 2));
 }
 
 TEST_CASE("a body held in y swings about y as a pendulum pushed off its center") {
