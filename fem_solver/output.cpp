@@ -21,7 +21,7 @@ std::vector<std::string> energy_columns(const Structure& structure) {
     if (!structure.model().far_field.empty()) columns.push_back("far field [J]");
     columns.insert(columns.end(), {"external work [J]", "contact work [J]"});
     if (!structure.pairs().empty())
-        columns.insert(columns.end(), {"contact springs [J]", "friction [J]"});
+        columns.insert(columns.end(), {"contact springs [J]", "friction [J]", "contact damping [J]"});
     columns.push_back("balance error [J]");
     return columns;
 }
@@ -135,7 +135,8 @@ void Output::write_rows(double t, const Structure& structure) {
     if (structure.elements().any_plastic()) row_.push_back(e.plastic);
     if (!structure.model().far_field.empty()) row_.push_back(e.far_field);
     row_.insert(row_.end(), {e.external, e.contact});
-    if (!structure.pairs().empty()) row_.insert(row_.end(), {e.pair_springs, e.pair_friction});
+    if (!structure.pairs().empty())
+        row_.insert(row_.end(), {e.pair_springs, e.pair_friction, e.pair_damping});
     row_.push_back(e.balance_error());
     energy_.row(row_);
     peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass + e.plastic,

@@ -8,10 +8,22 @@
 #include "wire/number_text.hpp"
 
 namespace undertow::fem {
+namespace {
+
+/// [kg] of all nodes: from the elements that deform and from the rigid bodies.
+std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
+    std::vector<double> mass = elements.nodal_masses(model.mesh.x.size());
+    for (const RigidSet& body : model.rigid)
+        for (std::size_t i = 0; i < body.nodes.size(); ++i) mass[body.nodes[i]] += body.mass[i];
+    return mass;
+}
+
+}  // namespace
+
 Structure::Structure(Model model, int threads)
     : model_(std::move(model)),
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
-      nodes_(make_nodes(model_.mesh, elements_.nodal_masses(model_.mesh.x.size()),
+      nodes_(make_nodes(model_.mesh, masses_of(elements_, model_),
                         elements_.nodal_weight_masses(model_.mesh.x.size()))),
       contact_(model_.surface.node),
       // below this a step takes less time than waking threads several times
@@ -26,7 +38,6 @@ Structure::Structure(Model model, int threads)
     for (const RigidSet& set : model_.rigid) {
         for (std::int32_t n : set.nodes) is_rigid_[n] = 1;
         bodies_.emplace_back(set, nodes_);
-        bodies_.back().count_from_here(model_.gravity);
     }
     report_.omega2 = elements_.omega2_start();
     find_frequency();
@@ -34,27 +45,44 @@ Structure::Structure(Model model, int threads)
     if (!model_.contacts.empty()) make_pairs();
 }
 
-/// What the coupler leaves of 4 (1 - cfl^2) at its own nodes, and all of it at others, goes to the
-/// contact inside the mesh.
-void Structure::make_pairs() {
+/// What elements and coupler leave of the stability budget 4 goes to contact inside the mesh:
+/// 4 (1 - cfl^2) at a node, less what the coupler takes at its own; a rigid body has no elements.
+ContactBudget Structure::budget_of(const ContactSet& set) const {
     const double room = 4 * (1 - model_.cfl * model_.cfl);
-    const double dt = std::min(stable_step().dt, model_.max_step);
-    for (const ContactSet& set : model_.contacts) {
-        ContactBudget budget{dt, {}};
-        for (std::int32_t n : set.nodes) {
-            const bool coupled = std::binary_search(model_.surface.node.begin(),
-                                                    model_.surface.node.end(), n);
-            budget.share.push_back(room - (coupled ? model_.coupled_share : 0));
-            // softer than this, contact gives way more than the soil it belongs to
-            if (budget.share.back() < 0.05)
-                throw InputError("fem.contact \"" + set.name + "\": fem.cfl = " +
-                                 number_text(model_.cfl) + " leaves " +
-                                 number_text(budget.share.back(), 3) +
-                                 " of the stability budget to contact inside the mesh, less than "
-                                 "0.05; set fem.cfl to 0.9 or less.");
-        }
-        pairs_.emplace_back(set, nodes_, bodies_, budget, threads_);
+    const auto share = [&](double most, std::int32_t n) {
+        const std::vector<std::int32_t>& coupled = model_.surface.node;
+        return most - (std::binary_search(coupled.begin(), coupled.end(), n) ? model_.coupled_share
+                                                                             : 0);
+    };
+    ContactBudget budget{std::min(stable_.dt, model_.max_step), {}, 4};
+    for (std::int32_t n : set.nodes) budget.share.push_back(share(room, n));
+    const bool on_body = set.body >= 0;
+    for (const Quad& q : set.surface)
+        for (std::int32_t n : q)
+            if (on_body || nodes_.mass[n] > 0)
+                budget.surface_share =
+                    std::min(budget.surface_share, share(on_body ? 4 : room, n));
+    if (on_body) {  // shared among the contacts of the body; any of its nodes may be coupled
+        for (std::int32_t n : model_.rigid[set.body].nodes)
+            budget.surface_share = std::min(budget.surface_share, share(4, n));
+        budget.surface_share /= double(std::count_if(
+            model_.contacts.begin(), model_.contacts.end(),
+            [&](const ContactSet& other) { return other.body == set.body; }));
     }
+    const double least = std::min(
+        budget.surface_share, *std::min_element(budget.share.begin(), budget.share.end()));
+    if (least < 0.05)  // softer than this, contact gives way more than the soil it belongs to
+        throw InputError("fem.contact \"" + set.name + "\": fem.cfl = " + number_text(model_.cfl) +
+                         " leaves " + number_text(least, 3) +
+                         " of the stability budget to contact inside the mesh, less than 0.05; "
+                         "set fem.cfl to 0.9 or less.");
+    return budget;
+}
+
+void Structure::make_pairs() {
+    stable_step();
+    for (const ContactSet& set : model_.contacts)
+        pairs_.emplace_back(set, nodes_, bodies_, budget_of(set), threads_);
     // Over-closures that meet the stresses and weights of the start, so that nothing jumps.
     elements_.step(nodes_, 0, threads_);
     pressure_forces(0);
@@ -65,7 +93,7 @@ void Structure::make_pairs() {
     for (NodeRow& f : nodes_.f) f = NodeRow{};
     pair_forces();
     for (ContactPair& pair : pairs_) pair.count_from_here();
-    for (RigidBody& body : bodies_) body.count_from_here(model_.gravity);
+    for (RigidBody& body : bodies_) body.count_from_here();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
 }
 
@@ -171,7 +199,7 @@ void Structure::count_from_here() {
     contact_.work = 0;
     if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
-    for (RigidBody& body : bodies_) body.count_from_here(model_.gravity);
+    for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
 }
 
@@ -277,6 +305,7 @@ Energies Structure::energies() const {
     for (const ContactPair& pair : pairs_) {
         e.pair_springs += pair.elastic_energy();
         e.pair_friction += pair.friction_work();
+        e.pair_damping += pair.damping_work();
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     e.contact = contact_.work;

@@ -29,11 +29,12 @@ struct Energies {
     double external = 0;        // done by weight, pressure, static water, the far field's reaction
     double contact = 0;         // done by the contact forces of the coupler
     double pair_springs = 0;    // stored in contact inside the mesh
-    double pair_friction = 0;   // dissipated there
+    double pair_friction = 0;   // dissipated there by slip
+    double pair_damping = 0;    // and along the normals
     /// What does not add up.
     double balance_error() const {
         return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field +
-               pair_springs + pair_friction - external - contact;
+               pair_springs + pair_friction + pair_damping - external - contact;
     }
 };
 
@@ -114,6 +115,7 @@ class Structure {
  private:
     void find_frequency();
     void make_pairs();
+    ContactBudget budget_of(const ContactSet& set) const;
     void pair_forces();
 
     Model model_;

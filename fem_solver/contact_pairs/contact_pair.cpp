@@ -15,6 +15,10 @@ using Vector = Eigen::Vector3d;
 
 constexpr double stiffness_factor = 10;  // k h/(E A): the spring yields a tenth of the element
 
+// Share of critical damping along the normal: enough to quiet the flutter of a sliding elastic body
+// and the chatter of its nodes; friction has none, so nothing creeps.
+constexpr double damping_ratio = 0.1;
+
 // A node that far from the surface, in gaps, still counts as touching in the mesh: at the corner of
 // a tip the distance is sqrt(2) gaps.
 constexpr double near_in_gaps = 1.5;
@@ -32,14 +36,16 @@ Vec3 array(const Vector& a) {
 /// One node of the set, and what it remembers.
 struct Toucher {
     double k = 0;                      // [N/m]
+    double damping = 0;                // [N s/m] along the normal
     double reach = 0;                  // [m] g: it touches where the distance is less
     Vector friction = Vector::Zero();  // [N] t, on the node
     double normal_force = 0;           // [N] f_n
+    double damping_force = 0;          // [N] part of f_n that is not k (g - phi)
     bool near_at_start = false;
     // of the last evaluation
     Touch touch;
     bool has_touch = false, slips = false;
-    double dissipated = 0;  // [J] of the step
+    double slipped = 0, damped = 0;  // [J] dissipated in the step
 };
 
 }  // namespace
@@ -59,7 +65,7 @@ struct ContactPair::State {
     int searches = 0;
 
     ContactTotals totals;
-    double stored = 0, stored_from = 0, dissipated = 0;  // [J]
+    double stored = 0, stored_from = 0, slipped = 0, damped = 0;  // [J]
     double softest = stiffness_factor;
 
     State(ContactSet s, const Nodes& nodes, int n_threads)
@@ -73,8 +79,10 @@ struct ContactPair::State {
     void search();
     bool is_stale() const;
     void find_start(const Nodes& nodes);
-    double surface_compliance(std::size_t i, const Nodes& nodes,
-                              const std::vector<RigidBody>& bodies, int hanging) const;
+    double surface_yields(const Nodes& nodes) const;
+    std::vector<double> stiffness_at(double s, const std::vector<double>& omega,
+                                     const std::vector<double>& yields, const RigidBody* body,
+                                     const ContactBudget& budget) const;
     int largest_valence() const;
     void set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
                        const ContactBudget& budget);
@@ -166,34 +174,70 @@ int ContactPair::State::largest_valence() const {
     return 1 + *std::max_element(count.begin(), count.end());
 }
 
-/// c/m_surface [1/kg] of node i's contact.
-double ContactPair::State::surface_compliance(std::size_t i, const Nodes& nodes,
-                                              const std::vector<RigidBody>& bodies,
-                                              int hanging) const {
-    if (set.body >= 0) {
-        const Vec3 at = {nodes.x[set.nodes[i]].c[0], nodes.x[set.nodes[i]].c[1],
-                         nodes.x[set.nodes[i]].c[2]};
-        return double(set.nodes.size()) * bodies[set.body].compliance(at);
-    }
-    double yields = 0;  // a node without elements is held: its mass is none, its inverse mass 0
+/// [1/kg] n/m of a deformable surface; 0 of one that is held.
+double ContactPair::State::surface_yields(const Nodes& nodes) const {
+    double yields = 0;
     for (std::int32_t n : surface.node())
         for (int d = 0; d < 3; ++d) yields = std::max(yields, nodes.inverse_mass[n].c[d]);
-    return hanging * yields;
+    return largest_valence() * yields;
+}
+
+/// Stiffness when the nodes take the share s of (u_s - u_m)^2, the body the rest.
+std::vector<double> ContactPair::State::stiffness_at(double s, const std::vector<double>& omega,
+                                                     const std::vector<double>& yields,
+                                                     const RigidBody* body,
+                                                     const ContactBudget& budget) const {
+    const std::size_t n = set.nodes.size();
+    std::vector<double> k(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        k[i] = stiffness_factor * set.stiffness[i];
+        if (yields[i] > 0) k[i] = std::min(k[i], s * omega[i] * omega[i] / yields[i]);
+    }
+    if (!body) return k;
+    std::vector<Vec3> at(n);
+    for (std::size_t i = 0; i < n; ++i) at[i] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+    const double slowest = *std::min_element(omega.begin(), omega.end());
+    const double with_damping = 1 + 4 * damping_ratio / (slowest * budget.dt);
+    const double allowed = (1 - s) * budget.surface_share / (budget.dt * budget.dt * with_damping);
+    const double omega2 = body->omega2_on_springs(at, k);
+    if (omega2 > allowed)
+        for (double& stiffness : k) stiffness *= allowed / omega2;
+    return k;
 }
 
 void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
                                        const ContactBudget& budget) {
     dt_limit = budget.dt;
-    const int hanging = largest_valence();
-    for (std::size_t i = 0; i < set.nodes.size(); ++i) {
-        double node_yields = 0;
+    const RigidBody* body = set.body >= 0 ? &bodies[set.body] : nullptr;
+    const std::size_t n = set.nodes.size();
+    const double of_surface = body ? 0 : surface_yields(nodes);
+    std::vector<double> omega(n), yields(n, of_surface);
+    for (std::size_t i = 0; i < n; ++i) {
+        // beta + 2 eta = share, beta = (omega dt)^2, eta = 2 zeta omega dt
+        const double share =
+            body ? budget.share[i] : std::min(budget.share[i], budget.surface_share);
+        omega[i] =
+            (std::sqrt(4 * damping_ratio * damping_ratio + share) - 2 * damping_ratio) / budget.dt;
+        double of_node = 0;
         for (int d = 0; d < 3; ++d)
-            node_yields = std::max(node_yields, nodes.inverse_mass[set.nodes[i]].c[d]);
-        const double yields = node_yields + surface_compliance(i, nodes, bodies, hanging);
-        const double wanted = stiffness_factor * set.stiffness[i];
-        const double allowed = budget.share[i] / (budget.dt * budget.dt * yields);
-        toucher[i].k = yields > 0 ? std::min(wanted, allowed) : wanted;
-        softest = std::min(softest, toucher[i].k / set.stiffness[i]);
+            of_node = std::max(of_node, nodes.inverse_mass[set.nodes[i]].c[d]);
+        yields[i] += of_node;
+    }
+    std::vector<double> best;
+    double stiffest = -1;
+    for (int tenths = 1; tenths <= (body ? 9 : 1); ++tenths) {
+        const std::vector<double> k =
+            stiffness_at(body ? 0.1 * tenths : 1.0, omega, yields, body, budget);
+        double sum = 0;
+        for (double stiffness : k) sum += stiffness;
+        if (sum <= stiffest) continue;
+        stiffest = sum;
+        best = k;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        toucher[i].k = best[i];
+        toucher[i].damping = 2 * damping_ratio * best[i] / omega[i];
+        softest = std::min(softest, best[i] / set.stiffness[i]);
     }
 }
 
@@ -201,23 +245,28 @@ void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<Rig
 void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, double dt) {
     Toucher& t = toucher[i];
     t.slips = false;
-    t.dissipated = 0;
-    const double stored = t.friction.squaredNorm() / t.k / 2;
+    t.slipped = t.damped = 0;
     const bool touches = find_touch(i) && t.touch.distance < t.reach;
     if (!touches) {
+        t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
         t.has_touch = false;
-        t.normal_force = 0;
-        t.dissipated = stored;  // the spring snaps back
+        t.normal_force = t.damping_force = 0;
         t.friction.setZero();
         return;
     }
-    t.normal_force = t.k * (t.reach - t.touch.distance);
-    const Vector at(x[3 * i], x[3 * i + 1], x[3 * i + 2]),
-        speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+    const Vector at(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    const Vector speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
     const Vector& n = t.touch.normal;
     const Vector offset = at - surface.position(t.touch);
     Vector slip = dt * (speed - surface.velocity(t.touch) - turn_rate.cross(offset));
-    slip -= slip.dot(n) * n;
+    const double parting = slip.dot(n);  // [m] in the step
+    slip -= parting * n;
+
+    const double spring = t.k * (t.reach - t.touch.distance);
+    const double damping_before = t.damping_force;
+    t.normal_force = std::max(0.0, spring - (dt > 0 ? t.damping * parting / dt : 0));
+    t.damping_force = t.normal_force - spring;
+    t.damped = -0.5 * (damping_before + t.damping_force) * parting;
 
     // The remembered force turns with the surface and into the present tangent plane.
     Vector old = t.friction + dt * turn_rate.cross(t.friction);
@@ -231,7 +280,7 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     const double trial = now.norm();
     if (trial > limit) {
         const Vector returned = (limit / trial) * now;
-        t.dissipated = 0.5 * (old + returned).dot(now - returned) / t.k;
+        t.slipped = 0.5 * (old + returned).dot(now - returned) / t.k;
         now = returned;
         t.slips = true;
     }
@@ -282,10 +331,12 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
     s.stored = 0;
     for (std::int64_t i = 0; i < n; ++i) {
         const Toucher& t = s.toucher[i];
-        s.dissipated += t.dissipated;
+        s.slipped += t.slipped;
+        s.damped += t.damped;
         if (!t.has_touch) continue;
         const Vector force = t.normal_force * t.touch.normal + t.friction;
-        s.stored += 0.5 * (t.normal_force * t.normal_force + t.friction.squaredNorm()) / t.k;
+        const double spring = t.normal_force - t.damping_force;
+        s.stored += 0.5 * (spring * spring + t.friction.squaredNorm()) / t.k;
         s.totals.normal_force += t.normal_force;
         ++s.totals.touching;
         s.totals.slipping += t.slips;
@@ -312,7 +363,7 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
 
 void ContactPair::count_from_here() {
     s_->stored_from = s_->stored;
-    s_->dissipated = 0;
+    s_->slipped = s_->damped = 0;
 }
 
 const ContactSet& ContactPair::set() const {
@@ -325,7 +376,10 @@ double ContactPair::elastic_energy() const {
     return s_->stored - s_->stored_from;
 }
 double ContactPair::friction_work() const {
-    return s_->dissipated;
+    return s_->slipped;
+}
+double ContactPair::damping_work() const {
+    return s_->damped;
 }
 double ContactPair::largest_step() const {
     return s_->dt_limit;

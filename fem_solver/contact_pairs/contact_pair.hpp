@@ -2,7 +2,8 @@
 // Contact inside the mesh: the nodes of one facet set (soil) against another (a skirt).
 //
 // Per node:
-//   f_n = k max(0, g - phi)            [N] phi the distance to the surface, g where it touches
+//   f_n = max(0, k (g - phi) - c dphi/dt)   [N] phi the distance to the surface, g where it
+//                                      touches; c a tenth of critical, no tension
 //   t   = t_old - k du_t               [N] elastic stick, du_t the tangential slip of the step
 //   |t| <= min(mu f_n, tau_max A)      radial return: what exceeds it slips  [Simo and Hughes 1998,
 //                                      ch. 3; Coulomb with elastic stick, no creep below the limit]
@@ -10,11 +11,16 @@
 // fem.contact's gap, so that facets of a round wall do not press unevenly), plus the over-closure
 // f_n/k that balances the nodal forces of the start.
 //
-// Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less:
-//   k <= share/dt^2 / (1/m_node + c/m_surface)
-// with share the part of 4 (1 - cfl^2) that nobody else takes at that node. For a rigid surface
-// 1/m_surface is the body's compliance at that point, and c the number of nodes that may hang on
-// it; then the sum over all contacts stays within the share (element by element Rayleigh bound).
+// Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less.
+// By (u_s - u_m)^2 <= u_s^2/s + u_m^2/(1-s), 0 < s < 1, springs and dampers stay within the budget
+// if
+//   k/(s m_node) <= omega^2,  omega dt = sqrt(4 zeta^2 + share) - 2 zeta     at each node, and
+//   (1 + 4 zeta/(omega dt)) omega_body^2 dt^2/(1-s) <= share of the surface
+// with omega_body that of the free body on all its springs, zeta = 0.1 and c = 2 zeta k/omega: then
+// beta + 2 eta = (omega dt)^2 + 4 zeta omega dt is the share of the node. s is the one that leaves
+// the stiffest springs. A rigid body has all of the budget that the coupler does not take, since no
+// element hangs on it. Deformable facets: 1/m_node + n/m_surface in the place of 1/(s m_node), n
+// the number of contacts that may hang on one node.
 //
 // On a rigid body the force acts at the node's own place, so that force and moment are equal and
 // opposite to round-off. On deformable facets it is split by the weights of the foot: forces are
@@ -37,7 +43,8 @@ namespace undertow::fem {
 /// What the stability of a pair depends on.
 struct ContactBudget {
     double dt = 0;              // [s] largest step that will be taken
-    std::vector<double> share;  // per node of the set: of (omega dt)^2
+    std::vector<double> share;  // of (omega dt)^2, per node of the set
+    double surface_share = 0;   // the same of the surface: of its nodes, or of the rigid body
 };
 
 /// Sums over a pair's nodes, of the last evaluation.
@@ -67,7 +74,8 @@ class ContactPair {
     const ContactSet& set() const;
     const ContactTotals& totals() const;
     double elastic_energy() const;  // [J] stored in springs, against the start
-    double friction_work() const;   // [J] dissipated
+    double friction_work() const;   // [J] dissipated by slip
+    double damping_work() const;    // [J] dissipated along the normals
     double largest_step() const;    // [s] for which the stiffness was made
     int nodes_near() const;         // that touched in the mesh
     /// Smallest of k h/(E A) over the nodes: 10 unless the budget was tighter.

@@ -46,7 +46,7 @@ struct RigidBody::State {
 
     Vector center_from, contact_force_from = Vector::Zero(), contact_moment_from = Vector::Zero();
     Eigen::Quaterniond turned_from = Eigen::Quaterniond::Identity();
-    double weight_work_from = 0;  // [J]
+    Vector weight_point_from;  // [m]
 
     /// w with I w = L among the free axes.
     Vector solve_among_free(const Matrix& I, const Vector& l) const {
@@ -95,6 +95,7 @@ RigidBody::RigidBody(RigidSet set, Nodes& nodes) : s_(std::make_unique<State>())
         for (int d = 0; d < 3; ++d) nodes.inverse_mass[n].c[d] = 0;
     }
     s.weight_arm = vector(s.set.weight_center) - s.center;
+    s.weight_point_from = s.weight_point();
     for (int d = 0; d < 3; ++d) {
         s.free_move[d] = s.set.free[d] ? 1 : 0;
         s.free_turn[d] = s.set.free[3 + d] ? 1 : 0;
@@ -177,17 +178,17 @@ void RigidBody::stop(Nodes& nodes) {
     rest_nodes(nodes);
 }
 
-void RigidBody::count_from_here(const Vec3& gravity) {
+void RigidBody::count_from_here() {
     State& s = *s_;
     s.center_from = s.center;
     s.turned_from = s.turned;
     s.contact_force_from = s.contact_force;
     s.contact_moment_from = s.contact_moment;
-    s.weight_work_from = s.set.weight_mass * vector(gravity).dot(s.weight_point());
+    s.weight_point_from = s.weight_point();
 }
 
 double RigidBody::weight_work(const Vec3& gravity) const {
-    return s_->set.weight_mass * vector(gravity).dot(s_->weight_point()) - s_->weight_work_from;
+    return s_->set.weight_mass * vector(gravity).dot(s_->weight_point() - s_->weight_point_from);
 }
 
 Wrench RigidBody::contact() const {
@@ -201,15 +202,28 @@ double RigidBody::reach() const {
     return std::sqrt(squared);
 }
 
-double RigidBody::compliance(const Vec3& x) const {
+double RigidBody::omega2_on_springs(const std::vector<Vec3>& x,
+                                    const std::vector<double>& k) const {
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
     const State& s = *s_;
-    double yields = s.free_move.any() ? 1 / s.mass : 0;
-    if (s.free_turn.any()) {
-        // |arm|^2/I_min: I among the free axes is never less than the smallest eigenvalue of I
-        const Eigen::SelfAdjointEigenSolver<Matrix> eigen(s.inertia, Eigen::EigenvaluesOnly);
-        yields += (vector(x) - s.center).squaredNorm() / eigen.eigenvalues()[0];
+    Matrix6 K = Matrix6::Zero(), M = Matrix6::Identity();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        Eigen::Matrix<double, 3, 6> moves;  // of the point by the six degrees of freedom
+        moves << Matrix::Identity(), -cross_matrix(vector(x[i]) - s.center);
+        K += k[i] * moves.transpose() * moves;
     }
-    return yields;
+    M.topLeftCorner<3, 3>() *= s.mass;
+    M.bottomRightCorner<3, 3>() = s.inertia_at(s.turned.toRotationMatrix());
+    for (int d = 0; d < 6; ++d)
+        if (!s.set.free[d]) {
+            K.row(d).setZero();
+            K.col(d).setZero();
+            M.row(d).setZero();
+            M.col(d).setZero();
+            M(d, d) = 1;
+        }
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, M, Eigen::EigenvaluesOnly)
+        .eigenvalues()[5];
 }
 
 const RigidSet& RigidBody::set() const {

@@ -49,7 +49,7 @@ class RigidBody {
     /// Ends all motion.
     void stop(Nodes& nodes);
     /// From here on displacement, rotation, work of the weight and contact() count from now.
-    void count_from_here(const Vec3& gravity);
+    void count_from_here();
 
     const RigidSet& set() const;
     double mass() const;                    // [kg] with what was added
@@ -65,8 +65,9 @@ class RigidBody {
     /// [N], [N m] forces and moments that would move it now, 0 in locked directions.
     Wrench unbalanced(const Nodes& nodes, const Vec3& gravity) const;
     double reach() const;  // [m] from the center to the farthest node
-    /// [1/kg] most that the body yields to an impulse at the point x: largest eigenvalue bound.
-    double compliance(const Vec3& x) const;
+    /// [1/s2] largest squared frequency of the free body on springs k [N/m] that hold the points x
+    /// [m] in all three directions.
+    double omega2_on_springs(const std::vector<Vec3>& x, const std::vector<double>& k) const;
 
  private:
     struct State;

@@ -132,8 +132,12 @@ std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
 }  // namespace
 
 Model build_model(const Case& c) {
+    return build_model(c, make_mesh(c));
+}
+
+Model build_model(const Case& c, Mesh mesh) {
     Model model;
-    model.mesh = make_mesh(c);
+    model.mesh = std::move(mesh);
     model.parts = make_parts(c.fem, model.mesh);
     model.rigid = take_rigid_sets(c, model.mesh, model.parts);
     model.contacts = make_contact_sets(c, model.mesh, model.rigid);

@@ -56,5 +56,7 @@ struct Model {
 /// Reads or makes the mesh and resolves the tables. A 2D case holds every node in y and must be one
 /// case.thickness thick. InputError for unknown names, elements in no part or in two, and the like.
 Model build_model(const Case& c);
+/// The same with a mesh that is there already.
+Model build_model(const Case& c, Mesh mesh);
 
 }  // namespace undertow::fem
