@@ -52,8 +52,8 @@ class Structure {
     void drift(double dt);  // x^n -> x^{n+1}
 
     /// Lets the far field go, which is held until then: what holds it now stays as a constant
-    /// force, and dashpots take over. Call it once, before the first step, at rest: stresses must
-    /// belong to the present shape, pressures are taken as at t = 0. Nothing without a far field.
+    /// force, and dashpots take over. Before the first step, at rest: stresses must belong to the
+    /// present shape, pressures are taken as at t = 0. A second call does nothing.
     void release_far_field();
 
     /// Completes energies and velocities at the last n by a kick like the one before; nothing
