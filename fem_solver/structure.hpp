@@ -66,8 +66,8 @@ class Structure {
     void hold();            // instead of kick and drift: all stays at rest where it is
 
     /// Lets the far field go, which is held until then: what holds it now stays as a constant
-    /// force, and dashpots take over. Call it once, before the first step, at rest: stresses must
-    /// belong to the present shape, pressures are taken as at t = 0. Nothing without a far field.
+    /// force, and dashpots take over. Before the first step, at rest: stresses must belong to the
+    /// present shape, pressures are taken as at t = 0. A second call does nothing.
     void release_far_field();
 
     /// For finding equilibrium. stop(): ends all motion at n, between internal_forces and kick;
