@@ -197,6 +197,7 @@ void Structure::count_from_here() {
     strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
     plastic_work_ = 0;
     contact_.work = 0;
+    model_.far_field.reset_work();
     if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
     for (RigidBody& body : bodies_) body.count_from_here();
