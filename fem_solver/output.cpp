@@ -195,6 +195,11 @@ void Output::summary(const RunFigures& run, const Structure& structure) const {
     s.set("energy_balance_error", peak_energy_ > 0 ? worst_balance_ / peak_energy_ : 0.0);
     s.set("max_displacement", peak_displacement_);
     if (settlement_) summarize_settlement(s, structure);
+    if (structure.model().water) {
+        const StaticWater::Difference& d = structure.model().water->difference();
+        s.set("still_water.net_difference", d.net);
+        s.set("still_water.nodal_difference", d.nodal);
+    }
     for (const ContactPair& pair : structure.pairs()) {
         s.set("contact." + pair.set().name + ".nodes", std::int64_t(pair.set().nodes.size()));
         s.set("contact." + pair.set().name + ".softest", pair.softest());

@@ -6,6 +6,11 @@
 
 namespace undertow::fem {
 
+namespace {
+// Of the time that the structure is held: from here on the water counts as still.
+constexpr double quiet_from = 0.6;
+}  // namespace
+
 Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line)
     : structure_(structure), link_(link), output_(output), line_(line), t_end_(c.time.end),
       t_release_(c.start.settle) {}
@@ -23,8 +28,10 @@ bool Solver::step_to_the_end() {
 
         const StepOrder& order = link_.wait_order();
         if (order.finish) return !order.interrupted;
-        structure_.contact_forces(order.f);
         const bool moves = t_ >= t_release_;
+        if (moves) structure_.let_go();
+        structure_.contact_forces(order.f);
+        if (!moves && t_ >= quiet_from * t_release_) structure_.observe_still_water(order.dt);
         if (moves) structure_.kick(order.dt);  // v^{n-1/2} -> v^{n+1/2}
         output_.history(t_, structure_);
         if (moves)

@@ -145,6 +145,14 @@ void Structure::contact_forces(std::span<const double> f) {
     model_.water->load.add_to(nodes_.f);
 }
 
+void Structure::observe_still_water(double dt) {
+    if (model_.water) model_.water->observe(contact_, dt);
+}
+
+void Structure::let_go() {
+    if (model_.water) model_.water->balance();
+}
+
 void Structure::release_far_field() {
     if (model_.far_field.empty() || model_.far_field.released()) return;
     std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});

@@ -70,6 +70,11 @@ class Structure {
     /// present shape, pressures are taken as at t = 0. A second call does nothing.
     void release_far_field();
 
+    /// While the structure is held under still water: takes note of the contact forces of a step
+    /// (dt [s]), see StaticWater. let_go(): before the first step that moves.
+    void observe_still_water(double dt);
+    void let_go();
+
     /// For finding equilibrium. stop(): ends all motion at n, between internal_forces and kick;
     /// the next kick starts from rest. count_from_here(): displacements, energies and the motion
     /// and contact forces of rigid bodies count from this state.

@@ -1,6 +1,7 @@
 #include "fem_solver/boundary/static_water.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace undertow::fem {
 namespace {
@@ -48,6 +49,36 @@ void StaticWater::evaluate(const NodeRows& x) {
                     0.25 * (1 + corner_xi[I] * xi[k]) * (1 + corner_eta[I] * eta[k]) * pull;
         }
     }
+    for (std::size_t i = 0; i < constant_.size(); ++i) as_row(load.force[i]) -= as_row(constant_[i]);
+}
+
+void StaticWater::observe(const NodalLoad& contact, double dt) {
+    if (at_.empty()) {
+        for (std::int32_t n : load.node)
+            at_.push_back(std::int32_t(
+                std::lower_bound(contact.node.begin(), contact.node.end(), n) -
+                contact.node.begin()));
+        sum_.resize(load.node.size());
+    }
+    for (std::size_t i = 0; i < at_.size(); ++i)
+        as_row(sum_[i]) += dt * (as_row(contact.force[at_[i]]) + as_row(load.force[i]));
+    observed_ += dt;
+}
+
+void StaticWater::balance() {
+    if (observed_ == 0 || !constant_.empty()) return;
+    constant_.resize(sum_.size());
+    Row net{}, net_static{};
+    double square = 0, square_static = 0;
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+        as_row(constant_[i]) = as_row(sum_[i]) * (1 / observed_);
+        const Row c = as_row(constant_[i]), p = as_row(load.force[i]);
+        net += c, net_static += p;
+        square += c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+        square_static += p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+    }
+    const auto norm = [](const Row& a) { return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]); };
+    difference_ = {norm(net) / norm(net_static), std::sqrt(square / square_static)};
 }
 
 }  // namespace undertow::fem
