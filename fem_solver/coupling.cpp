@@ -41,6 +41,9 @@ class Alone final : public Link {
     StepOrder order_;
 };
 
+// What an immobile node weighs for the coupler: no particle moves it, and sums stay finite.
+constexpr double mass_of_immobile = 1e12;  // [kg]
+
 class Coupled final : public Link {
  public:
     Coupled(const Case& c, const std::string& endpoint)
@@ -74,7 +77,8 @@ class Coupled final : public Link {
         for (std::int32_t n : surface.node) {
             const double* x = structure.nodes().x[n].c;
             mesh.x.insert(mesh.x.end(), x, x + 3);
-            mesh.mass.push_back(structure.nodes().mass[n]);
+            const double mass = structure.nodes().mass[n];
+            mesh.mass.push_back(mass > 0 ? mass : mass_of_immobile);
         }
         for (const Quad& q : surface.quad) mesh.quad.insert(mesh.quad.end(), q.begin(), q.end());
         mesh.group = surface.group;
@@ -101,7 +105,7 @@ class Coupled final : public Link {
                 state.v[3 * i + d] = structure.nodes().v[node[i]].c[d];
             }
         participant_.send(std::move(state));
-        work_ += double(structure.elements().size());
+        work_ += double(structure.elements().deformable());
     }
 
     const StepOrder& wait_order() override {

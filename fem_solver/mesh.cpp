@@ -1,6 +1,7 @@
 #include "fem_solver/mesh.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "wire/errors.hpp"
 
@@ -72,6 +73,12 @@ const std::vector<std::int32_t>& Mesh::elements_of(const std::string& set,
 
 std::string Mesh::element_name(std::size_t element) const {
     return "hexahedron " + std::to_string(element_tag[element]);
+}
+
+std::string point_text(const Vec3& x) {
+    char text[80];
+    std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g) m", x[0], x[1], x[2]);
+    return text;
 }
 
 }  // namespace undertow::fem

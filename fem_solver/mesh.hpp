@@ -34,6 +34,9 @@ struct Mesh {
     std::string element_name(std::size_t element) const;
 };
 
+/// "(0.1, 0, -2) m", for messages
+std::string point_text(const Vec3& x);
+
 /// Faces of a hexahedron, counter-clockwise seen from outside: xi-, xi+, eta-, eta+, zeta-, zeta+.
 inline constexpr int hexahedron_face[6][4] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4},
                                               {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};

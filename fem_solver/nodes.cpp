@@ -21,7 +21,8 @@ KickReport kick_block(Nodes& nodes, const Kick& step, std::size_t first, std::si
     Row kinetic = {}, before = {}, after = {}, speed2 = {};
     for (std::size_t n = first; n < last; ++n) {
         const Row im = as_row(nodes.inverse_mass[n]), v_old = as_row(nodes.v[n]);
-        const Row weight = im != 0.0 ? g : Row{};  // no weight where a support carries it
+        const Row weight =
+            im != 0.0 ? nodes.weight_share[n] * g : Row{};  // no weight where a support carries it
         const Row a = as_row(nodes.f[n]) * im + weight;
         const Row v_new = (v_old * keep + span * a) * divide;
         const Row v_mean = v_old + v_new, m = nodes.mass[n] - Row{};
@@ -47,26 +48,31 @@ void drift_block(Nodes& nodes, double dt, std::size_t first, std::size_t last) {
     }
 }
 
-void add(KickReport& sum, const KickReport& part) {
-    sum.kinetic += part.kinetic;
-    sum.damping_before += part.damping_before;
-    sum.damping_after += part.damping_after;
-    sum.speed2 = std::max(sum.speed2, part.speed2);
-}
-
 }  // namespace
 
-Nodes make_nodes(const Mesh& mesh, std::vector<double> mass) {
+KickReport& KickReport::operator+=(const KickReport& other) {
+    kinetic += other.kinetic;
+    damping_before += other.damping_before;
+    damping_after += other.damping_after;
+    speed2 = std::max(speed2, other.speed2);
+    return *this;
+}
+
+Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
+                 const std::vector<double>& weight_mass) {
     const std::size_t n = mesh.x.size();
     Nodes nodes;
     nodes.x0.resize(n);
     nodes.v.resize(n);
     nodes.f.resize(n);
     nodes.inverse_mass.resize(n);
+    nodes.weight_share.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+        nodes.weight_share[i] = mass[i] > 0 ? weight_mass[i] / mass[i] : 0;
     for (std::size_t i = 0; i < n; ++i)
         for (int d = 0; d < 3; ++d) {
             nodes.x0[i].c[d] = mesh.x[i][d];
-            nodes.inverse_mass[i].c[d] = 1 / mass[i];
+            nodes.inverse_mass[i].c[d] = mass[i] > 0 ? 1 / mass[i] : 0;
         }
     nodes.x = nodes.x0;
     nodes.mass = std::move(mass);
@@ -78,14 +84,14 @@ KickReport kick(Nodes& nodes, const Kick& step, int threads) {
     KickReport sum;
     if (blocks <= 1 || threads <= 1) {
         for (std::size_t b = 0; b < blocks; ++b)
-            add(sum, kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size)));
+            sum += kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
         return sum;
     }
     std::vector<KickReport> part(blocks);
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (std::size_t b = 0; b < blocks; ++b)
         part[b] = kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
-    for (const KickReport& p : part) add(sum, p);
+    for (const KickReport& p : part) sum += p;
     return sum;
 }
 

@@ -14,12 +14,13 @@
 namespace undertow::fem {
 
 struct Nodes {
-    NodeRows x0;               // [m] undeformed
+    NodeRows x0;               // [m] where displacements count from: the mesh, or after settling
     NodeRows x;                // [m] at n
     NodeRows v;                // [m/s] at n - 1/2
     NodeRows f;                // [N] external minus internal forces at n, without weight
     NodeRows inverse_mass;     // [1/kg] per direction; 0 where a support holds the node
-    std::vector<double> mass;  // [kg] lumped
+    std::vector<double> mass;  // [kg] lumped; 0 of an immobile node, which has no element
+    std::vector<double> weight_share;  // mass that gravity acts on over mass
 
     std::size_t size() const { return mass.size(); }
 };
@@ -30,6 +31,8 @@ struct KickReport {
     double damping_before = 0;  // [J] Rayleigh dissipation in the half step before n
     double damping_after = 0;   // [J] and in the half step after n
     double speed2 = 0;          // [m2/s2] largest
+
+    KickReport& operator+=(const KickReport& other);
 };
 
 /// Where a kick stands in time, and the loads that act on every node alike.
@@ -41,8 +44,10 @@ struct Kick {
                            // that it neither lags nor shortens the stable step
 };
 
-/// Undeformed nodes at rest; `mass` [kg] per node. Forces are zero.
-Nodes make_nodes(const Mesh& mesh, std::vector<double> mass);
+/// Undeformed nodes at rest; `mass` [kg] per node, and the mass [kg] that gravity acts on. Forces
+/// are zero.
+Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
+                 const std::vector<double>& weight_mass);
 
 KickReport kick(Nodes& nodes, const Kick& step, int threads);
 /// Also clears the forces for the next step.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "results/summary.hpp"
-
 namespace undertow::fem {
 namespace {
 
@@ -15,7 +13,21 @@ std::vector<std::int32_t> flat_hexahedra(const Mesh& mesh) {
     return flat;
 }
 
-std::vector<std::string> history_columns(const Model& model) {
+/// Columns of what a scene has no part of are left out.
+std::vector<std::string> energy_columns(const Structure& structure) {
+    std::vector<std::string> columns{"t [s]",         "kinetic [J]",        "internal [J]",
+                                     "hourglass [J]", "bulk viscosity [J]", "damping [J]"};
+    if (structure.elements().any_plastic()) columns.push_back("plastic [J]");
+    if (!structure.model().far_field.empty()) columns.push_back("far field [J]");
+    columns.insert(columns.end(), {"external work [J]", "contact work [J]"});
+    if (!structure.pairs().empty())
+        columns.insert(columns.end(), {"contact springs [J]", "friction [J]", "contact damping [J]"});
+    columns.push_back("balance error [J]");
+    return columns;
+}
+
+std::vector<std::string> history_columns(const Structure& structure) {
+    const Model& model = structure.model();
     std::vector<std::string> columns{"t [s]"};
     for (const Probe& probe : model.probes) {
         for (const char* d : {"ux", "uy", "uz"}) columns.push_back(probe.name + "." + d + " [m]");
@@ -24,25 +36,58 @@ std::vector<std::string> history_columns(const Model& model) {
     for (const Support& support : model.supports)
         for (const char* d : {"rx", "ry", "rz"})
             columns.push_back("support " + support.name + "." + d + " [N]");
+    if (structure.elements().any_plastic()) columns.push_back("yielding elements");
+    for (const RigidSet& body : model.rigid) {
+        for (const char* d : {"ux", "uy", "uz"}) columns.push_back(body.name + "." + d + " [m]");
+        for (const char* d : {"rx", "ry", "rz"}) columns.push_back(body.name + "." + d + " [rad]");
+        for (const char* from : {".", ".load."}) {
+            for (const char* d : {"fx", "fy", "fz"})
+                columns.push_back(body.name + from + d + " [N]");
+            for (const char* d : {"mx", "my", "mz"})
+                columns.push_back(body.name + from + d + " [N m]");
+        }
+    }
+    for (const ContactSet& contact : model.contacts)
+        for (const char* what :
+             {".normal [N]", ".tx [N]", ".ty [N]", ".tz [N]", ".touching", ".slipping"})
+            columns.push_back(contact.name + what);
     return columns;
+}
+
+std::vector<std::string> history_notes(const Model& model) {
+    std::vector<std::string> notes{
+        "probes: displacement and velocity of the node nearest to the point at the start",
+        "support: force of the support on the structure, unfiltered"};
+    if (!model.rigid.empty()) {
+        notes.push_back(
+            "rigid bodies: displacement of the center of mass, rotation vector; forces on the body "
+            "and moments about the center of mass:");
+        notes.push_back(
+            "fx to mz from contact inside the mesh, less its value at the start; load. from the "
+            "coupler and pressures, as it is");
+    }
+    if (!model.contacts.empty())
+        notes.push_back(
+            "contact inside the mesh: sum of normal forces, friction on the nodes, nodes that "
+            "touch, share of them that slip");
+    return notes;
 }
 
 }  // namespace
 
-Output::Output(const std::string& folder, const Case& c, const Structure& structure)
+Output::Output(const std::string& folder, const Case& c, const Structure& structure,
+               std::optional<Settlement> settlement)
     : folder_(folder),
       mesh_(folder + "/fem", structure.nodes().size(), flat_hexahedra(structure.model().mesh)),
       energy_(folder + "/energy.fem.csv",
               {"energies of the structure at t; what went in is external (weight, pressure) and "
                "contact work",
                "kinetic: 1/2 m v(t - dt/2).v(t + dt/2); balance error: the rest of the sum"},
-              {"t [s]", "kinetic [J]", "internal [J]", "hourglass [J]", "bulk viscosity [J]",
-               "damping [J]", "external work [J]", "contact work [J]", "balance error [J]"}),
-      history_(folder + "/fem.history.csv",
-               {"probes: displacement and velocity of the node nearest to the point at the start",
-                "support: force of the support on the structure, unfiltered"},
-               history_columns(structure.model())),
-      row_times_(c.output.history_every, c.time.end) {}
+              energy_columns(structure)),
+      history_(folder + "/fem.history.csv", history_notes(structure.model()),
+               history_columns(structure)),
+      row_times_(c.output.history_every, c.time.end),
+      settlement_(std::move(settlement)) {}
 
 void Output::fields(double t, const Structure& structure) {
     if (t == last_fields_) return;
@@ -64,10 +109,13 @@ void Output::fields(double t, const Structure& structure) {
             3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
         pressure[e] = -(s[0] + s[1] + s[2]) / 3;
     }
-    mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}},
-                 {{"stress", "Pa", 6, stress},
-                  {"von_mises", "Pa", 1, von_mises},
-                  {"pressure", "Pa", 1, pressure}});
+    const std::vector<double> plastic_strain = structure.elements().plastic_strain();
+    std::vector<Field> of_elements{{"stress", "Pa", 6, stress},
+                                   {"von_mises", "Pa", 1, von_mises},
+                                   {"pressure", "Pa", 1, pressure}};
+    if (structure.elements().any_plastic())
+        of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
+    mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}}, of_elements);
 }
 
 void Output::history(double t, const Structure& structure) {
@@ -83,10 +131,15 @@ void Output::last_history(double t, const Structure& structure) {
 void Output::write_rows(double t, const Structure& structure) {
     last_row_ = t;
     const Energies e = structure.energies();
-    row_ = {t,         e.kinetic,  e.internal, e.hourglass,      e.bulk_viscosity,
-            e.damping, e.external, e.contact,  e.balance_error()};
+    row_ = {t, e.kinetic, e.internal, e.hourglass, e.bulk_viscosity, e.damping};
+    if (structure.elements().any_plastic()) row_.push_back(e.plastic);
+    if (!structure.model().far_field.empty()) row_.push_back(e.far_field);
+    row_.insert(row_.end(), {e.external, e.contact});
+    if (!structure.pairs().empty())
+        row_.insert(row_.end(), {e.pair_springs, e.pair_friction, e.pair_damping});
+    row_.push_back(e.balance_error());
     energy_.row(row_);
-    peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass,
+    peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass + e.plastic,
                              std::abs(e.external), std::abs(e.contact)});
     worst_balance_ = std::max(worst_balance_, std::abs(e.balance_error()));
     peak_displacement_ = std::max(peak_displacement_, structure.largest_displacement());
@@ -101,11 +154,28 @@ void Output::write_rows(double t, const Structure& structure) {
         const Vec3 r = structure.reaction(support);
         row_.insert(row_.end(), r.begin(), r.end());
     }
+    if (structure.elements().any_plastic()) row_.push_back(double(structure.yielding_elements()));
+    write_bodies(structure);
     history_.row(row_);
 }
 
+void Output::write_bodies(const Structure& structure) {
+    for (const RigidBody& body : structure.bodies()) {
+        const Wrench contact = body.contact(), load = body.load(structure.nodes());
+        for (const Vec3& v : {body.displacement(), body.rotation(), contact.force, contact.moment,
+                              load.force, load.moment})
+            row_.insert(row_.end(), v.begin(), v.end());
+    }
+    for (const ContactPair& pair : structure.pairs()) {
+        const ContactTotals& sum = pair.totals();
+        row_.insert(row_.end(), {sum.normal_force, sum.friction[0], sum.friction[1],
+                                 sum.friction[2], double(sum.touching),
+                                 sum.touching > 0 ? double(sum.slipping) / sum.touching : 0.0});
+    }
+}
+
 void Output::summary(const RunFigures& run, const Structure& structure) const {
-    const double elements = double(structure.elements().size());
+    const double elements = double(structure.elements().deformable());
     const double busy = run.wall - run.wait;
     Summary s;
     s.set("complete", run.complete);
@@ -124,7 +194,26 @@ void Output::summary(const RunFigures& run, const Structure& structure) const {
     s.set("frequency_searches", std::int64_t(structure.frequency_searches()));
     s.set("energy_balance_error", peak_energy_ > 0 ? worst_balance_ / peak_energy_ : 0.0);
     s.set("max_displacement", peak_displacement_);
+    if (settlement_) summarize_settlement(s, structure);
+    for (const ContactPair& pair : structure.pairs()) {
+        s.set("contact." + pair.set().name + ".nodes", std::int64_t(pair.set().nodes.size()));
+        s.set("contact." + pair.set().name + ".softest", pair.softest());
+        s.set("contact." + pair.set().name + ".searches", std::int64_t(pair.searches()));
+    }
     s.write(folder_ + "/summary.fem.json");
+}
+
+void Output::summarize_settlement(Summary& s, const Structure& structure) const {
+    s.set("settle.steps", settlement_->steps);
+    s.set("settle.stops", std::int64_t(settlement_->stops));
+    s.set("settle.wall_s", settlement_->wall);
+    s.set("settle.residual_force", settlement_->residual);
+    s.set("settle.reference_force", settlement_->reference);
+    s.set("settle.body_residual", settlement_->body_residual);
+    s.set("settle.max_displacement", settlement_->largest_displacement);
+    for (std::size_t b = 0; b < settlement_->body_displacement.size(); ++b)
+        s.set("settle." + structure.bodies()[b].set().name + ".uz",
+              settlement_->body_displacement[b][2]);
 }
 
 }  // namespace undertow::fem

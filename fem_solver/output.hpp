@@ -3,13 +3,16 @@
 // summary.fem.json.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "case/case.hpp"
+#include "fem_solver/settle.hpp"
 #include "fem_solver/structure.hpp"
 #include "results/field_file.hpp"
 #include "results/history.hpp"
+#include "results/summary.hpp"
 
 namespace undertow::fem {
 
@@ -25,7 +28,9 @@ struct RunFigures {
 
 class Output {
  public:
-    Output(const std::string& folder, const Case& c, const Structure& structure);
+    /// `settlement` for the summary, if the structure settled.
+    Output(const std::string& folder, const Case& c, const Structure& structure,
+           std::optional<Settlement> settlement = {});
 
     /// Fields at t; velocity is v^{n-1/2}. Nothing when these fields have been written already.
     void fields(double t, const Structure& structure);
@@ -37,6 +42,8 @@ class Output {
 
  private:
     void write_rows(double t, const Structure& structure);
+    void write_bodies(const Structure& structure);
+    void summarize_settlement(Summary& summary, const Structure& structure) const;
 
     std::string folder_;
     MeshFile mesh_;
@@ -46,6 +53,7 @@ class Output {
     double peak_energy_ = 0, worst_balance_ = 0;  // [J]
     double peak_displacement_ = 0;                // [m]
     std::vector<double> row_;
+    std::optional<Settlement> settlement_;
 };
 
 }  // namespace undertow::fem

@@ -7,9 +7,11 @@
 namespace undertow::fem {
 
 Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line)
-    : structure_(structure), link_(link), output_(output), line_(line), t_end_(c.time.end) {}
+    : structure_(structure), link_(link), output_(output), line_(line), t_end_(c.time.end),
+      t_release_(c.start.settle) {}
 
 bool Solver::step_to_the_end() {
+    structure_.release_far_field();
     n_ = link_.announce(structure_);
     bool output_due = true;
     for (;; ++n_) {
@@ -22,9 +24,13 @@ bool Solver::step_to_the_end() {
         const StepOrder& order = link_.wait_order();
         if (order.finish) return !order.interrupted;
         structure_.contact_forces(order.f);
-        structure_.kick(order.dt);  // v^{n-1/2} -> v^{n+1/2}
+        const bool moves = t_ >= t_release_;
+        if (moves) structure_.kick(order.dt);  // v^{n-1/2} -> v^{n+1/2}
         output_.history(t_, structure_);
-        structure_.drift(order.dt);  // x^n -> x^{n+1}
+        if (moves)
+            structure_.drift(order.dt);  // x^n -> x^{n+1}
+        else
+            structure_.hold();
         t_ = order.t1;
         output_due = order.output;
         count(order);
@@ -68,7 +74,7 @@ void Solver::show(const StepOrder& order, bool last) {
     figures.n = n_;
     figures.dt = order.dt;
     figures.limiter = order.limiter;
-    figures.element_steps = double(structure_.elements().size()) * double(figures_.steps);
+    figures.element_steps = double(structure_.elements().deformable()) * double(figures_.steps);
     if (last)
         line_.finish(figures);
     else

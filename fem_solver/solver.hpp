@@ -30,7 +30,8 @@ class Solver {
     Link& link_;
     Output& output_;
     ProgressLine& line_;
-    double t_end_;  // [s]
+    double t_end_;      // [s]
+    double t_release_;  // [s] until then the structure does not move
     double t_ = 0;  // [s]
     std::int64_t n_ = 0;
     RunFigures figures_;

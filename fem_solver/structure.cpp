@@ -8,10 +8,23 @@
 #include "wire/number_text.hpp"
 
 namespace undertow::fem {
+namespace {
+
+/// [kg] of all nodes: from the elements that deform and from the rigid bodies.
+std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
+    std::vector<double> mass = elements.nodal_masses(model.mesh.x.size());
+    for (const RigidSet& body : model.rigid)
+        for (std::size_t i = 0; i < body.nodes.size(); ++i) mass[body.nodes[i]] += body.mass[i];
+    return mass;
+}
+
+}  // namespace
+
 Structure::Structure(Model model, int threads)
     : model_(std::move(model)),
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
-      nodes_(make_nodes(model_.mesh, elements_.nodal_masses(model_.mesh.x.size()))),
+      nodes_(make_nodes(model_.mesh, masses_of(elements_, model_),
+                        elements_.nodal_weight_masses(model_.mesh.x.size()))),
       contact_(model_.surface.node),
       // below this a step takes less time than waking threads several times
       threads_(elements_.size() < 16384 ? 1 : threads) {
@@ -19,9 +32,74 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    model_.far_field.hold(nodes_);
+    for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
+    if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
+    for (const RigidSet& set : model_.rigid) {
+        for (std::int32_t n : set.nodes) is_rigid_[n] = 1;
+        bodies_.emplace_back(set, nodes_);
+    }
     report_.omega2 = elements_.omega2_start();
     find_frequency();
     omega_start_ = tightening_ * omega_bound();
+    if (!model_.contacts.empty()) make_pairs();
+}
+
+/// What elements and coupler leave of the stability budget 4 goes to contact inside the mesh:
+/// 4 (1 - cfl^2) at a node, less what the coupler takes at its own; a rigid body has no elements.
+ContactBudget Structure::budget_of(const ContactSet& set) const {
+    const double room = 4 * (1 - model_.cfl * model_.cfl);
+    const auto share = [&](double most, std::int32_t n) {
+        const std::vector<std::int32_t>& coupled = model_.surface.node;
+        return most - (std::binary_search(coupled.begin(), coupled.end(), n) ? model_.coupled_share
+                                                                             : 0);
+    };
+    ContactBudget budget{std::min(stable_.dt, model_.max_step), {}, 4};
+    for (std::int32_t n : set.nodes) budget.share.push_back(share(room, n));
+    const bool on_body = set.body >= 0;
+    for (const Quad& q : set.surface)
+        for (std::int32_t n : q)
+            if (on_body || nodes_.mass[n] > 0)
+                budget.surface_share =
+                    std::min(budget.surface_share, share(on_body ? 4 : room, n));
+    if (on_body) {  // shared among the contacts of the body; any of its nodes may be coupled
+        for (std::int32_t n : model_.rigid[set.body].nodes)
+            budget.surface_share = std::min(budget.surface_share, share(4, n));
+        budget.surface_share /= double(std::count_if(
+            model_.contacts.begin(), model_.contacts.end(),
+            [&](const ContactSet& other) { return other.body == set.body; }));
+    }
+    const double least = std::min(
+        budget.surface_share, *std::min_element(budget.share.begin(), budget.share.end()));
+    if (least < 0.05)  // softer than this, contact gives way more than the soil it belongs to
+        throw InputError("fem.contact \"" + set.name + "\": fem.cfl = " + number_text(model_.cfl) +
+                         " leaves " + number_text(least, 3) +
+                         " of the stability budget to contact inside the mesh, less than 0.05; "
+                         "set fem.cfl to 0.9 or less.");
+    return budget;
+}
+
+void Structure::make_pairs() {
+    stable_step();
+    for (const ContactSet& set : model_.contacts)
+        pairs_.emplace_back(set, nodes_, bodies_, budget_of(set), threads_);
+    // Over-closures that meet the stresses and weights of the start, so that nothing jumps.
+    elements_.step(nodes_, 0, threads_);
+    pressure_forces(0);
+    for (std::size_t n = 0; n < nodes_.size(); ++n)
+        for (int d = 0; d < 3; ++d)
+            nodes_.f[n].c[d] += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
+    for (ContactPair& pair : pairs_) pair.balance(nodes_.f);
+    for (NodeRow& f : nodes_.f) f = NodeRow{};
+    pair_forces();
+    for (ContactPair& pair : pairs_) pair.count_from_here();
+    for (RigidBody& body : bodies_) body.count_from_here();
+    for (NodeRow& f : nodes_.f) f = NodeRow{};
+}
+
+void Structure::pair_forces() {
+    for (RigidBody& body : bodies_) body.clear_contact();
+    for (ContactPair& pair : pairs_) pair.evaluate(nodes_, bodies_, dt_);
 }
 
 double Structure::omega_bound() const {
@@ -32,6 +110,7 @@ void Structure::find_frequency() {
     // Lanczos approaches the largest frequency from below; what it may lack when it stops is far
     // less than this.
     constexpr double margin = 1.01;
+    if (report_.omega2 == 0) return;  // nothing deforms
     const LargestFrequency found = find_largest_frequency(elements_, nodes_);
     tightening_ =
         found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;
@@ -44,6 +123,9 @@ void Structure::internal_forces() {
     strain_work_ += report_.strain_work;
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;
+    plastic_work_ += report_.plastic_work;
+    model_.far_field.react(nodes_.x, nodes_.f);
+    if (!pairs_.empty()) pair_forces();
 }
 
 void Structure::pressure_forces(double t) {
@@ -58,12 +140,32 @@ void Structure::contact_forces(std::span<const double> f) {
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
+    if (!model_.water) return;
+    model_.water->evaluate(nodes_.x);
+    model_.water->load.add_to(nodes_.f);
+}
+
+void Structure::release_far_field() {
+    if (model_.far_field.empty() || model_.far_field.released()) return;
+    std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
+    report_ = elements_.step(nodes_, 0, threads_);  // no time, no strain: forces of the stresses
+    pressure_forces(0);
+    model_.far_field.release(nodes_, model_.gravity);
+    std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
+    find_frequency();  // of a mesh that is freer now
+    omega_start_ = tightening_ * omega_bound();
 }
 
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
-    kick_ = fem::kick(nodes_, {dt_, dt, model_.gravity, model_.damping}, threads_);
+    if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
+    model_.far_field.before_kick(nodes_, dt_);
+    const Kick step{dt_, dt, model_.gravity, model_.damping};
+    for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
+    kick_ = fem::kick(nodes_, step, threads_);
+    model_.far_field.after_kick(nodes_, step, kick_);
+    for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
     kick_span_ = 0.5 * (dt_ + dt);
@@ -72,12 +174,72 @@ void Structure::kick(double dt) {
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
+    if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
+    model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
+    for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
+}
+
+void Structure::hold() {
+    for (NodeRow& f : nodes_.f) f = NodeRow{};
+}
+
+void Structure::stop() {
+    for (NodeRow& v : nodes_.v) v = NodeRow{};
+    for (RigidBody& body : bodies_) body.stop(nodes_);
+    dt_ = 0;
+}
+
+void Structure::count_from_here() {
+    nodes_.x0 = nodes_.x;
+    kick_ = {};
+    strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
+    plastic_work_ = 0;
+    contact_.work = 0;
+    if (model_.water) model_.water->load.work = 0;
+    for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
+    for (RigidBody& body : bodies_) body.count_from_here();
+    for (ContactPair& pair : pairs_) pair.count_from_here();
+}
+
+Residual Structure::residual() const {
+    Residual r;
+    std::size_t free_nodes = 0;
+    const auto norm = [](const Vec3& a) {
+        return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    };
+    const double g = norm(model_.gravity);
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        bool is_free = false;
+        for (int d = 0; d < 3; ++d) {
+            if (nodes_.inverse_mass[n].c[d] == 0) continue;
+            is_free = true;
+            const double weight = nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
+            const double f = std::abs(nodes_.f[n].c[d] + weight);
+            if (f > r.node) {
+                r.node = f;
+                r.at = std::int32_t(n);
+            }
+        }
+        if (!is_free) continue;
+        ++free_nodes;
+        r.reference += nodes_.mass[n] * std::abs(nodes_.weight_share[n]) * g;
+    }
+    if (free_nodes > 0) r.reference /= double(free_nodes);
+    for (const RigidBody& body : bodies_) {
+        const Wrench pull = body.unbalanced(nodes_, model_.gravity);
+        const double weight = body.set().weight_mass * g;
+        if (weight == 0) continue;
+        r.body = std::max({r.body, norm(pull.force) / weight,
+                           norm(pull.moment) / (weight * body.reach())});
+    }
+    return r;
 }
 
 void Structure::finish() {
     contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    if (model_.water) model_.water->load.add_to(nodes_.f);
     kick(dt_);
 }
 
@@ -88,7 +250,13 @@ const StableStep& Structure::stable_step() {
     const double b2 = model_.bulk_viscosity.quadratic;
     const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression;
     const double omega = tightening_ * std::sqrt(report_.omega2);
+    if (omega == 0) {  // rigid bodies alone: a number that any other limit undercuts
+        stable_ = {1e9, "nothing that deforms"};
+        return stable_;
+    }
     stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
+    // the springs of contact are made for the step of the start
+    for (const ContactPair& pair : pairs_) stable_.dt = std::min(stable_.dt, pair.largest_step());
     if (std::abs(report_.omega2 - named_omega2_) > 1e-4 * report_.omega2) {
         const std::size_t e = elements_.stiffest();
         stable_.limiter = model_.mesh.element_name(e) + " of " + elements_.part_name(e);
@@ -119,14 +287,26 @@ void Structure::check_health(std::int64_t n, double t) const {
 Energies Structure::energies() const {
     Energies e;
     e.kinetic = kick_.kinetic;
-    e.internal = strain_work_;
+    e.internal = strain_work_ - plastic_work_;
+    e.plastic = plastic_work_;
     e.hourglass = hourglass_work_;
     e.bulk_viscosity = viscous_work_;
     e.damping = damping_work_;
-    for (std::size_t n = 0; n < nodes_.size(); ++n)  // weight: a potential, so its work is exact
+    e.far_field = model_.far_field.dissipated();
+    e.external = model_.far_field.reaction_work();
+    if (model_.water) e.external += model_.water->load.work;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {  // weight: a potential, so its work is exact
+        if (!is_rigid_.empty() && is_rigid_[n]) continue;
         for (int d = 0; d < 3; ++d)
-            e.external +=
-                nodes_.mass[n] * model_.gravity[d] * (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
+            e.external += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d] *
+                          (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
+    }
+    for (const RigidBody& body : bodies_) e.external += body.weight_work(model_.gravity);
+    for (const ContactPair& pair : pairs_) {
+        e.pair_springs += pair.elastic_energy();
+        e.pair_friction += pair.friction_work();
+        e.pair_damping += pair.damping_work();
+    }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     e.contact = contact_.work;
     return e;
@@ -136,7 +316,8 @@ Vec3 Structure::velocity(std::int32_t node) const {
     Vec3 v;
     for (int d = 0; d < 3; ++d) {
         const double im = nodes_.inverse_mass[node].c[d];
-        const double a = im == 0 ? 0 : nodes_.f[node].c[d] * im + model_.gravity[d];
+        const double a =
+            im == 0 ? 0 : nodes_.f[node].c[d] * im + nodes_.weight_share[node] * model_.gravity[d];
         const double v_half = nodes_.v[node].c[d];
         // v^n = v^{n+1/2} - a' span/2, a' = a - alpha v^n
         v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
@@ -154,7 +335,9 @@ Vec3 Structure::reaction(const Support& support) const {
     Vec3 r{};
     for (std::int32_t n : support.nodes)
         for (int d = 0; d < 3; ++d)
-            if (support.fixed[d]) r[d] -= nodes_.f[n].c[d] + nodes_.mass[n] * model_.gravity[d];
+            if (support.fixed[d])
+                r[d] -=
+                    nodes_.f[n].c[d] + nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
     return r;
 }
 

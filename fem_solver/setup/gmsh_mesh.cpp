@@ -26,7 +26,10 @@ struct EntityHash {
 
 class GmshFile {
  public:
-    explicit GmshFile(const std::string& path) : words_(path) { mesh_.source = path; }
+    GmshFile(const std::string& path, const std::vector<std::string>& immobile)
+        : words_(path), immobile_(immobile) {
+        mesh_.source = path;
+    }
     Mesh read();
 
  private:
@@ -36,6 +39,9 @@ class GmshFile {
     void read_nodes();
     void read_elements();
     void drop_unused_nodes();
+    bool is_immobile(const std::string& set) const {
+        return std::find(immobile_.begin(), immobile_.end(), set) != immobile_.end();
+    }
     std::int32_t node(std::int64_t tag) {
         const auto found = node_of_tag_.find(tag);
         if (found == node_of_tag_.end())
@@ -48,6 +54,7 @@ class GmshFile {
     }
 
     MeshWords words_;
+    std::vector<std::string> immobile_;  // facet sets without elements
     Mesh mesh_;
     std::unordered_map<Entity, std::string, EntityHash> name_;  // of physical groups
     std::unordered_map<Entity, std::vector<std::int64_t>, EntityHash> groups_;  // of entities
@@ -194,6 +201,10 @@ void GmshFile::drop_unused_nodes() {
     std::vector<std::int32_t> renumbered(mesh_.x.size(), -1);
     for (const Hexahedron& h : mesh_.hexahedra)
         for (std::int32_t n : h) renumbered[n] = 0;
+    for (const auto& [name, quads] : mesh_.facet_sets)
+        if (is_immobile(name))
+            for (const Quad& q : quads)
+                for (std::int32_t n : q) renumbered[n] = 0;
     std::vector<Vec3> used;
     for (std::size_t n = 0; n < renumbered.size(); ++n)
         if (renumbered[n] == 0) {
@@ -203,7 +214,7 @@ void GmshFile::drop_unused_nodes() {
     mesh_.x = std::move(used);
     for (Hexahedron& h : mesh_.hexahedra)
         for (std::int32_t& n : h) n = renumbered[n];
-    for (auto& [name, quads] : mesh_.facet_sets)  // on the skin, so their nodes are in use
+    for (auto& [name, quads] : mesh_.facet_sets)  // on the skin or immobile: in use
         for (Quad& q : quads)
             for (std::int32_t& n : q) n = renumbered[n];
     for (auto& [name, set] : mesh_.node_sets) {
@@ -249,18 +260,20 @@ Mesh GmshFile::read() {
     if (mesh_.hexahedra.empty()) words_.fail("the mesh has no 8-node hexahedra");
     const Skin skin(mesh_);
     for (const auto& [name, facets] : facets_)
-        for (const FileFacet& facet : facets)
-            mesh_.facet_sets[name].push_back(skin.outward(
-                facet.node,
-                "quad " + std::to_string(facet.tag) + " of physical group \"" + name + "\""));
+        for (const FileFacet& facet : facets) {
+            const std::string what =
+                "quad " + std::to_string(facet.tag) + " of physical group \"" + name + "\"";
+            mesh_.facet_sets[name].push_back(is_immobile(name) ? skin.outside(facet.node, what)
+                                                               : skin.outward(facet.node, what));
+        }
     drop_unused_nodes();
     return std::move(mesh_);
 }
 
 }  // namespace
 
-Mesh read_gmsh(const std::string& path) {
-    return GmshFile(path).read();
+Mesh read_gmsh(const std::string& path, const std::vector<std::string>& immobile) {
+    return GmshFile(path, immobile).read();
 }
 
 }  // namespace undertow::fem

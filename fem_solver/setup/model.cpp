@@ -6,7 +6,10 @@
 #include <limits>
 
 #include "fem_solver/setup/block_mesh.hpp"
+#include "fem_solver/setup/contact_sets.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
+#include "fem_solver/setup/immobile.hpp"
+#include "fem_solver/setup/rigid_sets.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -15,20 +18,29 @@ namespace {
 Mesh make_mesh(const Case& c) {
     if (c.fem.block && !c.fem.mesh.empty())
         throw InputError("fem: give either fem.block or fem.mesh, not both.");
+    const std::vector<std::string> immobile = immobile_sets(c.fem);
+    if (c.fem.block && !immobile.empty())
+        throw InputError("fem.surface \"" + immobile.front() +
+                         "\": immobile facets belong to no element, but all facets of [fem.block] "
+                         "do; remove immobile, or bring them in a fem.mesh.");
     if (c.fem.block) return make_block(*c.fem.block);
     if (c.fem.mesh.empty())
         throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"file.msh\".");
-    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string());
+    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile);
 }
 
-LinearElastic make_material(const FemMaterial& m) {
+Material make_material(const FemMaterial& m) {
     if (!(m.density > 0) || !(m.young_modulus > 0))
         throw InputError("fem.material \"" + m.name + "\": density and young_modulus must be > 0.");
     if (!(m.poisson_ratio > -1 && m.poisson_ratio < 0.5))
         throw InputError("fem.material \"" + m.name +
                          "\": poisson_ratio = " + std::to_string(m.poisson_ratio) +
                          " must be > -1 and < 0.5 (0.49 is a good stand-in for 0.5).");
-    return LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
+    const LinearElastic moduli = LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
+    if (m.kind == MaterialKind::linear_elastic) return moduli;
+    if (!(m.shear_strength > 0))
+        throw InputError("fem.material \"" + m.name + "\": shear_strength must be > 0.");
+    return Tresca{moduli, m.shear_strength};
 }
 
 std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
@@ -41,7 +53,7 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
             throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
                              p.material + "\".");
         Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
-                  make_material(*material)};
+                  make_material(*material), material->weight_density};
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +
@@ -120,9 +132,17 @@ std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
 }  // namespace
 
 Model build_model(const Case& c) {
+    return build_model(c, make_mesh(c));
+}
+
+Model build_model(const Case& c, Mesh mesh) {
     Model model;
-    model.mesh = make_mesh(c);
+    model.mesh = std::move(mesh);
     model.parts = make_parts(c.fem, model.mesh);
+    model.rigid = take_rigid_sets(c, model.mesh, model.parts);
+    model.contacts = make_contact_sets(c, model.mesh, model.rigid);
+    if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
+    model.max_step = c.time.max_step;
     model.bulk_viscosity = {c.fem.bulk_viscosity_linear, c.fem.bulk_viscosity_quadratic};
     model.supports = make_supports(c.fem, model.mesh);
     if (c.info.dimension == 2) {
@@ -132,9 +152,14 @@ Model build_model(const Case& c) {
             plane.nodes.push_back(std::int32_t(n));
         model.supports.push_back(std::move(plane));
     }
+    leave_rigid_nodes(model.supports, model.rigid);
+    check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
     model.surface = make_surface(c.fem, model.mesh);
+    model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
+    model.far_field = make_far_field(c.fem, model.mesh, model.parts);
+    model.water = make_static_water(c, model.mesh);
     for (const FemProbe& p : c.fem.probe)
         model.probes.push_back({p.name, nearest_node(model.mesh, p.point)});
     model.gravity = c.info.gravity;

@@ -1,12 +1,16 @@
 #pragma once
 // The [fem] table with every name resolved: sets to nodes, facets and elements, materials to laws.
 
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "fem_solver/boundary/pressure.hpp"
+#include "fem_solver/contact_pairs/contact_set.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/mesh.hpp"
+#include "fem_solver/setup/ground.hpp"
+#include "fem_solver/rigid/rigid_set.hpp"
 
 namespace undertow::fem {
 
@@ -36,7 +40,14 @@ struct Model {
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
     CoupledSurface surface;
+    std::vector<InitialStress> initial_stress;
+    AbsorbingBoundary far_field;
+    std::optional<StaticWater> water;
     std::vector<Probe> probes;
+    std::vector<RigidSet> rigid;       // their elements are in no part
+    std::vector<ContactSet> contacts;  // inside the mesh
+    double coupled_share = 0;  // of the stability budget that the coupler takes at coupled nodes
+    double max_step = std::numeric_limits<double>::infinity();  // [s] the case's own limit
     Vec3 gravity{};      // [m/s2]
     double damping = 0;  // [1/s] Rayleigh alpha
     double cfl = 0.9;    // lambda of Eq. 13
@@ -45,5 +56,7 @@ struct Model {
 /// Reads or makes the mesh and resolves the tables. A 2D case holds every node in y and must be one
 /// case.thickness thick. InputError for unknown names, elements in no part or in two, and the like.
 Model build_model(const Case& c);
+/// The same with a mesh that is there already.
+Model build_model(const Case& c, Mesh mesh);
 
 }  // namespace undertow::fem

@@ -35,4 +35,13 @@ Quad Skin::outward(const Quad& quad, const std::string& what) const {
     return found->second.node;
 }
 
+Quad Skin::outside(const Quad& quad, const std::string& what) const {
+    if (face_.count(sorted(quad)) > 0)
+        throw InputError(source_ + ": " + what +
+                         " is a face of a hexahedron, but its [[fem.surface]] is immobile: that "
+                         "is for facets of no element; remove immobile, or hold the elements by a "
+                         "[[fem.support]].");
+    return quad;
+}
+
 }  // namespace undertow::fem

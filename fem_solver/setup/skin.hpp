@@ -15,6 +15,8 @@ class Skin {
     /// The quad, counter-clockwise seen from outside. InputError when it is no face of a hexahedron
     /// or lies between two; `what` names it.
     Quad outward(const Quad& quad, const std::string& what) const;
+    /// The quad as it is. InputError when it is a face of a hexahedron.
+    Quad outside(const Quad& quad, const std::string& what) const;
 
  private:
     struct Hash {

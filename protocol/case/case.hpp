@@ -145,7 +145,7 @@ struct FemMaterial {                     // [[fem.material]]
     std::string name;
     MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca"
     double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
-    std::optional<double> weight_density;    // [kg/m3] of the weight (under water: less the water's);
+    std::optional<double> weight_density{};  // [kg/m3] of the weight (under water: less the water's);
                                          // none = density
     double young_modulus = 0;            // [Pa]
     double poisson_ratio = 0;            // -1 to 0.5
@@ -197,6 +197,9 @@ struct FemSettle {                       // [fem.settle]
 
 struct FemAbsorbing {                    // [[fem.absorbing]] viscous boundary, keeps the reaction of
     std::string set;                     // the start; facet set
+    std::optional<Vec3> center{};        // [m] where the loads act: springs stand for the soil
+                                         // beyond; none = dashpots alone, which give way to a load
+                                         // that stays
 };
 
 struct FemRigid {                        // [[fem.rigid]] elements that move as one rigid body

@@ -14,8 +14,16 @@ namespace {
 
 // Beyond a free edge or around a sharp one the surface is no mirror: there the direction to the
 // closest point departs from the facet's normal (cosine), or two particles' normals from each
-// other.
-constexpr double is_above = 0.9, same_wall = 0.7;
+// other. The mirror fades there: an image that comes and goes at once would do work.
+constexpr double no_mirror = 0.7, full_mirror = 0.95, same_wall = 0.7;
+// Of a contact force's length: more than this along a wall's normal, and that wall is touched.
+constexpr double presses = 0.02;
+
+/// 0 beyond an edge, 1 above the facet; c: cosine of the foot's direction to the normal.
+double mirror_share(double c) {
+    const double s = std::clamp((c - no_mirror) / (full_mirror - no_mirror), 0.0, 1.0);
+    return s * s * (3 - 2 * s);
+}
 
 double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -61,23 +69,40 @@ void SurfaceImages::find_near(const Particles& particles, double range) {
                  surface, 0, found);
     for (std::size_t c = 0; c < found.row.size(); ++c) {
         const contact::Vec at = contact::Vec::Map(&x[3 * std::size_t(found.row[c])]);
-        contact::Foot best;
-        best.distance = range;
-        bool hit = false;
+        const std::size_t first = near_.size();
         for (std::uint32_t f = found.start[c]; f < found.start[c + 1]; ++f) {
             const contact::Foot foot = contact::closest_point(at, surface.shape(found.facet[f]));
-            if (!(foot.distance < best.distance)) continue;
-            best = foot, hit = true;
+            if (!(foot.distance < range)) continue;
+            const double share = mirror_share(foot.offset.dot(foot.normal) / foot.distance);
+            if (!(share > 0)) continue;
+            // across a seam the direction to the foot turns from one facet's normal to the next's
+            const contact::Vec n = foot.offset / foot.distance, at_foot = at - foot.offset;
+            Near near{};
+            near.particle = inside[found.row[c]];
+            near.distance = foot.distance;
+            near.share = share;
+            for (int a = 0; a < 3; ++a) near.point[a] = at_foot[a], near.normal[a] = n[a];
+            std::size_t k = first;   // in a corner a particle has several walls, of each one foot
+            while (k < near_.size() && dot(near_[k].normal, near.normal) < same_wall) ++k;
+            if (k == near_.size())
+                near_.push_back(near);
+            else if (near.distance < near_[k].distance)
+                near_[k] = near;
         }
-        if (!hit || !(best.offset.dot(best.normal) > is_above * best.distance)) continue;
-        // across a seam the direction to the foot turns from one facet's normal to the next one's
-        const contact::Vec n = best.offset / best.distance, foot = at - best.offset;
-        Near near{};
-        near.particle = inside[found.row[c]];
-        for (int a = 0; a < 3; ++a) near.point[a] = foot[a], near.normal[a] = n[a];
-        slot_[near.particle] = static_cast<int>(near_.size());
-        near_.push_back(near);
+        if (near_.size() > first) slot_[inside[found.row[c]]] = static_cast<int>(first);
     }
+}
+
+/// The wall of `source` that looks the same way as `normal`: index in near_, -1 if it has none.
+int SurfaceImages::same_wall_of(int source, const double normal[3]) const {
+    int best = -1;
+    double closest = same_wall;
+    for (int b = slot_[source]; b >= 0 && b < static_cast<int>(near_.size()) &&
+                                near_[b].particle == source; ++b) {
+        const double c = dot(near_[b].normal, normal);
+        if (c >= closest) closest = c, best = b;
+    }
+    return best;
 }
 
 void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& neighbors,
@@ -107,10 +132,9 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
             const bool mirrored = *at >= n;
             if (mirrored && extras[*at - n].from_plate) continue;
             const int source = mirrored ? extras[*at - n].source : *at;
-            const int b = slot_[source];
+            const int b = source == own && !mirrored ? a : same_wall_of(source, i.normal);
             if (b < 0 || (!mirrored && b < a)) continue;  // each pair once
             const Near& j = near_[b];
-            if (dot(i.normal, j.normal) < same_wall) continue;
             const double d[3] = {double(records[own].x - records[*at].x) * fixed.unit,
                                  double(records[own].y - records[*at].y) * fixed.unit,
                                  double(records[own].z - records[*at].z) * fixed.unit};
@@ -141,7 +165,8 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
         const int i = k.particle;
         const double d[3] = {p.x[i] - k.point[0], p.y[i] - k.point[1], p.z[i] - k.point[2]};
         k.distance = dot(d, k.normal);
-        k.touches = p.fx[i] != 0 || p.fy[i] != 0 || p.fz[i] != 0;
+        const double f[3] = {p.fx[i], p.fy[i], p.fz[i]};
+        k.touches = dot(f, k.normal) > presses * std::sqrt(dot(f, f));
         k.weight = k.wall_speed = 0;
         k.rate = k.push = k.a[0] = k.a[1] = k.a[2] = 0;
     }
@@ -163,11 +188,11 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
     const double full = kernel.value(spacing_);
     for (Near& k : near_) {
         if (k.touches) {
-            k.backing = 1;
+            k.backing = k.share;
             k.wall_speed = 0;
             lean(k, k, 1);
         } else {
-            k.backing = std::min(1.0, k.weight / full);
+            k.backing = k.share * std::min(1.0, k.weight / full);
             if (k.weight > 0) k.wall_speed /= k.weight;
         }
     }

@@ -1,0 +1,398 @@
+#include "fem_solver/contact_pairs/contact_pair.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "fem_solver/contact_pairs/touched_surface.hpp"
+#include "wire/errors.hpp"
+#include "wire/number_text.hpp"
+
+namespace undertow::fem {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double stiffness_factor = 10;  // k h/(E A): the spring yields a tenth of the element
+
+// Share of critical damping along the normal: enough to quiet the flutter of a sliding elastic body
+// and the chatter of its nodes; friction has none, so nothing creeps.
+constexpr double damping_ratio = 0.1;
+
+// A node that far from the surface, in gaps, still counts as touching in the mesh: at the corner of
+// a tip the distance is sqrt(2) gaps.
+constexpr double near_in_gaps = 1.5;
+
+// Search skin in gaps: candidates stay few, and a slow body is searched for seldom.
+constexpr double skin_in_gaps = 0.5;
+
+Vector vector(const NodeRow& row) {
+    return Vector(row.c[0], row.c[1], row.c[2]);
+}
+Vec3 array(const Vector& a) {
+    return {a[0], a[1], a[2]};
+}
+
+/// One node of the set, and what it remembers.
+struct Toucher {
+    double k = 0;                      // [N/m]
+    double damping = 0;                // [N s/m] along the normal
+    double reach = 0;                  // [m] g: it touches where the distance is less
+    Vector friction = Vector::Zero();  // [N] t, on the node
+    double normal_force = 0;           // [N] f_n
+    double damping_force = 0;          // [N] part of f_n that is not k (g - phi)
+    bool near_at_start = false;
+    // of the last evaluation
+    Touch touch;
+    bool has_touch = false, slips = false;
+    double slipped = 0, damped = 0;  // [J] dissipated in the step
+};
+
+}  // namespace
+
+struct ContactPair::State {
+    ContactSet set;
+    TouchedSurface surface;
+    std::vector<Toucher> toucher;
+    double dt_limit;  // [s]
+    int threads;
+
+    contact::FacetCells cells;
+    contact::CandidateList found;
+    std::vector<std::uint32_t> first, last;            // candidates of node i in found.facet
+    std::vector<double> x, v, mass, radius;            // of the set's nodes, for the search
+    std::vector<double> x_searched, surface_searched;  // [m] at the last search
+    int searches = 0;
+
+    ContactTotals totals;
+    double stored = 0, stored_from = 0, slipped = 0, damped = 0;  // [J]
+    double softest = stiffness_factor;
+
+    State(ContactSet s, const Nodes& nodes, int n_threads)
+        : set(std::move(s)),
+          surface(set.surface, nodes),
+          toucher(set.nodes.size()),
+          threads(n_threads) {}
+
+    double skin() const { return skin_in_gaps * set.gap; }
+    void gather(const Nodes& nodes);
+    void search();
+    bool is_stale() const;
+    void find_start(const Nodes& nodes);
+    double surface_yields(const Nodes& nodes) const;
+    std::vector<double> stiffness_at(double s, const std::vector<double>& omega,
+                                     const std::vector<double>& yields, const RigidBody* body,
+                                     const ContactBudget& budget) const;
+    int largest_valence() const;
+    void set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
+                       const ContactBudget& budget);
+    bool find_touch(std::size_t i);
+    void evaluate_node(std::size_t i, const Vector& turn_rate, double dt);
+};
+
+void ContactPair::State::gather(const Nodes& nodes) {
+    surface.follow(nodes);
+    for (std::size_t i = 0; i < set.nodes.size(); ++i)
+        for (int d = 0; d < 3; ++d) x[3 * i + d] = nodes.x[set.nodes[i]].c[d];
+}
+
+/// Candidates stay complete while node and surface together have moved by less than the skin.
+bool ContactPair::State::is_stale() const {
+    const auto largest = [](std::span<const double> now, const std::vector<double>& then) {
+        double squared = 0;
+        for (std::size_t i = 0; i < then.size(); i += 3) {
+            const double a = now[i] - then[i], b = now[i + 1] - then[i + 1],
+                         c = now[i + 2] - then[i + 2];
+            squared = std::max(squared, a * a + b * b + c * c);
+        }
+        return std::sqrt(squared);
+    };
+    return largest(x, x_searched) + largest(surface.facets().x(), surface_searched) > skin();
+}
+
+void ContactPair::State::search() {
+    cells.search({x, v, mass, radius, {}, {}}, surface.facets(), skin(), found);
+    std::fill(first.begin(), first.end(), 0u);
+    std::fill(last.begin(), last.end(), 0u);
+    for (std::size_t r = 0; r < found.row.size(); ++r) {
+        first[found.row[r]] = found.start[r];
+        last[found.row[r]] = found.start[r + 1];
+    }
+    x_searched.assign(x.begin(), x.end());
+    const auto at = surface.facets().x();
+    surface_searched.assign(at.begin(), at.end());
+    ++searches;
+}
+
+bool ContactPair::State::find_touch(std::size_t i) {
+    Toucher& t = toucher[i];
+    t.has_touch = last[i] > first[i] &&
+                  surface.touch(Vector(x[3 * i], x[3 * i + 1], x[3 * i + 2]),
+                                {found.facet.data() + first[i], last[i] - first[i]}, t.touch);
+    return t.has_touch;
+}
+
+void ContactPair::State::find_start(const Nodes& nodes) {
+    const std::size_t n = set.nodes.size();
+    x.resize(3 * n);
+    v.assign(3 * n, 0.0);
+    mass.resize(n);
+    for (std::size_t i = 0; i < n; ++i) mass[i] = nodes.mass[set.nodes[i]];
+    radius.assign(n, near_in_gaps * set.gap);
+    first.resize(n);
+    last.resize(n);
+    gather(nodes);
+    search();
+    int near = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        Toucher& t = toucher[i];
+        t.reach = set.gap;
+        if (!find_touch(i) || t.touch.distance > near_in_gaps * set.gap) continue;
+        if (t.touch.distance <= 0)
+            throw InputError("fem.contact \"" + set.name + "\": the node at " +
+                             point_text({x[3 * i], x[3 * i + 1], x[3 * i + 2]}) +
+                             " of \"nodes\" lies on or behind the surface; the mesh must leave "
+                             "the gap of " +
+                             number_text(set.gap) + " m between the two.");
+        t.reach = t.touch.distance;
+        t.near_at_start = true;
+        ++near;
+    }
+    if (near == 0)
+        throw InputError(
+            "fem.contact \"" + set.name +
+            "\": no node of \"nodes\" is within 1.5 gaps (gap = " + number_text(set.gap) +
+            " m) of \"surface\"; check the sets, the gap and the surface's normals.");
+}
+
+/// Most touching nodes whose foot hangs on one node of the surface, and one for those to come.
+int ContactPair::State::largest_valence() const {
+    std::vector<int> count(surface.node().size(), 0);
+    for (const Toucher& t : toucher)
+        if (t.near_at_start)
+            for (int a = 0; a < 4; ++a) ++count[surface.facets().corners(t.touch.facet)[a]];
+    return 1 + *std::max_element(count.begin(), count.end());
+}
+
+/// [1/kg] n/m of a deformable surface; 0 of one that is held.
+double ContactPair::State::surface_yields(const Nodes& nodes) const {
+    double yields = 0;
+    for (std::int32_t n : surface.node())
+        for (int d = 0; d < 3; ++d) yields = std::max(yields, nodes.inverse_mass[n].c[d]);
+    return largest_valence() * yields;
+}
+
+/// Stiffness when the nodes take the share s of (u_s - u_m)^2, the body the rest.
+std::vector<double> ContactPair::State::stiffness_at(double s, const std::vector<double>& omega,
+                                                     const std::vector<double>& yields,
+                                                     const RigidBody* body,
+                                                     const ContactBudget& budget) const {
+    const std::size_t n = set.nodes.size();
+    std::vector<double> k(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        k[i] = stiffness_factor * set.stiffness[i];
+        if (yields[i] > 0) k[i] = std::min(k[i], s * omega[i] * omega[i] / yields[i]);
+    }
+    if (!body) return k;
+    std::vector<Vec3> at(n);
+    for (std::size_t i = 0; i < n; ++i) at[i] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+    const double slowest = *std::min_element(omega.begin(), omega.end());
+    const double with_damping = 1 + 4 * damping_ratio / (slowest * budget.dt);
+    const double allowed = (1 - s) * budget.surface_share / (budget.dt * budget.dt * with_damping);
+    const double omega2 = body->omega2_on_springs(at, k);
+    if (omega2 > allowed)
+        for (double& stiffness : k) stiffness *= allowed / omega2;
+    return k;
+}
+
+void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
+                                       const ContactBudget& budget) {
+    dt_limit = budget.dt;
+    const RigidBody* body = set.body >= 0 ? &bodies[set.body] : nullptr;
+    const std::size_t n = set.nodes.size();
+    const double of_surface = body ? 0 : surface_yields(nodes);
+    std::vector<double> omega(n), yields(n, of_surface);
+    for (std::size_t i = 0; i < n; ++i) {
+        // beta + 2 eta = share, beta = (omega dt)^2, eta = 2 zeta omega dt
+        const double share =
+            body ? budget.share[i] : std::min(budget.share[i], budget.surface_share);
+        omega[i] =
+            (std::sqrt(4 * damping_ratio * damping_ratio + share) - 2 * damping_ratio) / budget.dt;
+        double of_node = 0;
+        for (int d = 0; d < 3; ++d)
+            of_node = std::max(of_node, nodes.inverse_mass[set.nodes[i]].c[d]);
+        yields[i] += of_node;
+    }
+    std::vector<double> best;
+    double stiffest = -1;
+    for (int tenths = 1; tenths <= (body ? 9 : 1); ++tenths) {
+        const std::vector<double> k =
+            stiffness_at(body ? 0.1 * tenths : 1.0, omega, yields, body, budget);
+        double sum = 0;
+        for (double stiffness : k) sum += stiffness;
+        if (sum <= stiffest) continue;
+        stiffest = sum;
+        best = k;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        toucher[i].k = best[i];
+        toucher[i].damping = 2 * damping_ratio * best[i] / omega[i];
+        softest = std::min(softest, best[i] / set.stiffness[i]);
+    }
+}
+
+/// Forces of node i from the springs; `turn_rate` [rad/s] of a rigid surface.
+void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, double dt) {
+    Toucher& t = toucher[i];
+    t.slips = false;
+    t.slipped = t.damped = 0;
+    const bool touches = find_touch(i) && t.touch.distance < t.reach;
+    if (!touches) {
+        t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
+        t.has_touch = false;
+        t.normal_force = t.damping_force = 0;
+        t.friction.setZero();
+        return;
+    }
+    const Vector at(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    const Vector speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+    const Vector& n = t.touch.normal;
+    const Vector offset = at - surface.position(t.touch);
+    Vector slip = dt * (speed - surface.velocity(t.touch) - turn_rate.cross(offset));
+    const double parting = slip.dot(n);  // [m] in the step
+    slip -= parting * n;
+
+    const double spring = t.k * (t.reach - t.touch.distance);
+    const double damping_before = t.damping_force;
+    t.normal_force = std::max(0.0, spring - (dt > 0 ? t.damping * parting / dt : 0));
+    t.damping_force = t.normal_force - spring;
+    t.damped = -0.5 * (damping_before + t.damping_force) * parting;
+
+    // The remembered force turns with the surface and into the present tangent plane.
+    Vector old = t.friction + dt * turn_rate.cross(t.friction);
+    old -= old.dot(n) * n;
+    const double size = old.norm();
+    if (size > 0) old *= t.friction.norm() / size;
+
+    Vector now = old - t.k * slip;
+    double limit = set.friction * t.normal_force;
+    if (set.max_shear > 0) limit = std::min(limit, set.max_shear * set.area[i]);
+    const double trial = now.norm();
+    if (trial > limit) {
+        const Vector returned = (limit / trial) * now;
+        t.slipped = 0.5 * (old + returned).dot(now - returned) / t.k;
+        now = returned;
+        t.slips = true;
+    }
+    t.friction = now;
+}
+
+ContactPair::ContactPair(ContactSet set, const Nodes& nodes, const std::vector<RigidBody>& bodies,
+                         const ContactBudget& budget, int threads)
+    : s_(std::make_unique<State>(std::move(set), nodes, threads)) {
+    s_->find_start(nodes);
+    s_->set_stiffness(nodes, bodies, budget);
+}
+ContactPair::~ContactPair() = default;
+ContactPair::ContactPair(ContactPair&&) noexcept = default;
+
+void ContactPair::balance(const NodeRows& load) {
+    State& s = *s_;
+    double most = 0;
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i) {
+        Toucher& t = s.toucher[i];
+        if (!t.near_at_start) continue;
+        const double push = -vector(load[s.set.nodes[i]]).dot(t.touch.normal);
+        if (push > 0) t.reach += push / t.k;
+        most = std::max(most, t.reach);
+    }
+    std::fill(s.radius.begin(), s.radius.end(), std::max(near_in_gaps * s.set.gap, most));
+    s.search();
+}
+
+void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt) {
+    State& s = *s_;
+    s.gather(nodes);
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i)
+        for (int d = 0; d < 3; ++d) s.v[3 * i + d] = nodes.v[s.set.nodes[i]].c[d];
+    if (s.is_stale()) s.search();
+    s.surface.refresh_normals();
+    Vector turn_rate = Vector::Zero();
+    if (s.set.body >= 0) {
+        const Vec3 w = bodies[s.set.body].angular_velocity();
+        turn_rate = Vector(w[0], w[1], w[2]);
+    }
+    const std::int64_t n = std::int64_t(s.set.nodes.size());
+#pragma omp parallel for schedule(static) num_threads(s.threads) if (s.threads > 1)
+    for (std::int64_t i = 0; i < n; ++i) s.evaluate_node(std::size_t(i), turn_rate, dt);
+
+    // one after the other: sums do not depend on the number of threads
+    s.totals = {};
+    s.stored = 0;
+    for (std::int64_t i = 0; i < n; ++i) {
+        const Toucher& t = s.toucher[i];
+        s.slipped += t.slipped;
+        s.damped += t.damped;
+        if (!t.has_touch) continue;
+        const Vector force = t.normal_force * t.touch.normal + t.friction;
+        const double spring = t.normal_force - t.damping_force;
+        s.stored += 0.5 * (spring * spring + t.friction.squaredNorm()) / t.k;
+        s.totals.normal_force += t.normal_force;
+        ++s.totals.touching;
+        s.totals.slipping += t.slips;
+        NodeRow& f = nodes.f[s.set.nodes[i]];
+        for (int d = 0; d < 3; ++d) {
+            s.totals.friction[d] += t.friction[d];
+            f.c[d] += force[d];
+        }
+        if (s.set.body >= 0) {
+            bodies[s.set.body].add_contact({s.x[3 * i], s.x[3 * i + 1], s.x[3 * i + 2]},
+                                           array(-force));
+            continue;
+        }
+        Vector rest = -force;
+        const std::int32_t* q = s.surface.facets().corners(t.touch.facet);
+        for (int a = 3; a >= 0; --a) {
+            const Vector part = a > 0 ? Vector(-t.touch.weight[a] * force) : rest;
+            rest -= part;
+            NodeRow& on_surface = nodes.f[s.surface.node()[q[a]]];
+            for (int d = 0; d < 3; ++d) on_surface.c[d] += part[d];
+        }
+    }
+}
+
+void ContactPair::count_from_here() {
+    s_->stored_from = s_->stored;
+    s_->slipped = s_->damped = 0;
+}
+
+const ContactSet& ContactPair::set() const {
+    return s_->set;
+}
+const ContactTotals& ContactPair::totals() const {
+    return s_->totals;
+}
+double ContactPair::elastic_energy() const {
+    return s_->stored - s_->stored_from;
+}
+double ContactPair::friction_work() const {
+    return s_->slipped;
+}
+double ContactPair::damping_work() const {
+    return s_->damped;
+}
+double ContactPair::largest_step() const {
+    return s_->dt_limit;
+}
+int ContactPair::nodes_near() const {
+    return int(std::count_if(s_->toucher.begin(), s_->toucher.end(),
+                             [](const Toucher& t) { return t.near_at_start; }));
+}
+double ContactPair::softest() const {
+    return s_->softest;
+}
+int ContactPair::searches() const {
+    return s_->searches;
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,90 @@
+#pragma once
+// Contact inside the mesh: the nodes of one facet set (soil) against another (a skirt).
+//
+// Per node:
+//   f_n = max(0, k (g - phi) - c dphi/dt)   [N] phi the distance to the surface, g where it
+//                                      touches; c a tenth of critical, no tension
+//   t   = t_old - k du_t               [N] elastic stick, du_t the tangential slip of the step
+//   |t| <= min(mu f_n, tau_max A)      radial return: what exceeds it slips  [Simo and Hughes 1998,
+//                                      ch. 3; Coulomb with elastic stick, no creep below the limit]
+// t is remembered and turns with the surface. g starts as the distance in the mesh (about
+// fem.contact's gap, so that facets of a round wall do not press unevenly), plus the over-closure
+// f_n/k that balances the nodal forces of the start.
+//
+// Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less.
+// By (u_s - u_m)^2 <= u_s^2/s + u_m^2/(1-s), 0 < s < 1, springs and dampers stay within the budget
+// if
+//   k/(s m_node) <= omega^2,  omega dt = sqrt(4 zeta^2 + share) - 2 zeta     at each node, and
+//   (1 + 4 zeta/(omega dt)) omega_body^2 dt^2/(1-s) <= share of the surface
+// with omega_body that of the free body on all its springs, zeta = 0.1 and c = 2 zeta k/omega: then
+// beta + 2 eta = (omega dt)^2 + 4 zeta omega dt is the share of the node. s is the one that leaves
+// the stiffest springs. A rigid body has all of the budget that the coupler does not take, since no
+// element hangs on it. Deformable facets: 1/m_node + n/m_surface in the place of 1/(s m_node), n
+// the number of contacts that may hang on one node.
+//
+// On a rigid body the force acts at the node's own place, so that force and moment are equal and
+// opposite to round-off. On deformable facets it is split by the weights of the foot: forces are
+// equal and opposite, and friction leaves a moment of |t| times the gap.
+//
+// A node touches one facet at a time: in a sharp concave corner of the surface only the nearer
+// side.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem_solver/contact_pairs/contact_set.hpp"
+#include "fem_solver/nodes.hpp"
+#include "fem_solver/rigid/rigid_body.hpp"
+
+namespace undertow::fem {
+
+/// What the stability of a pair depends on.
+struct ContactBudget {
+    double dt = 0;              // [s] largest step that will be taken
+    std::vector<double> share;  // of (omega dt)^2, per node of the set
+    double surface_share = 0;   // the same of the surface: of its nodes, or of the rigid body
+};
+
+/// Sums over a pair's nodes, of the last evaluation.
+struct ContactTotals {
+    double normal_force = 0;  // [N] sum of f_n
+    Vec3 friction{};          // [N] sum of t, on the nodes
+    int touching = 0;         // nodes with f_n > 0
+    int slipping = 0;         // of them, at the limit of friction
+};
+
+class ContactPair {
+ public:
+    /// At rest where `nodes` are. InputError if no node is near the surface, or one lies inside.
+    ContactPair(ContactSet set, const Nodes& nodes, const std::vector<RigidBody>& bodies,
+                const ContactBudget& budget, int threads);
+    ~ContactPair();
+    ContactPair(ContactPair&&) noexcept;
+
+    /// Over-closes each touching node so that its normal force meets the nodal forces `load` [N]
+    /// (weight, stress and all) that push it into the surface; nodes pulled away carry nothing.
+    void balance(const NodeRows& load);
+    /// Adds the forces at n to nodes.f and to the body; dt led from n-1 to n.
+    void evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt);
+    /// From here on energies count from now.
+    void count_from_here();
+
+    const ContactSet& set() const;
+    const ContactTotals& totals() const;
+    double elastic_energy() const;  // [J] stored in springs, against the start
+    double friction_work() const;   // [J] dissipated by slip
+    double damping_work() const;    // [J] dissipated along the normals
+    double largest_step() const;    // [s] for which the stiffness was made
+    int nodes_near() const;         // that touched in the mesh
+    /// Smallest of k h/(E A) over the nodes: 10 unless the budget was tighter.
+    double softest() const;
+    int searches() const;
+
+ private:
+    struct State;
+    std::unique_ptr<State> s_;
+};
+
+}  // namespace undertow::fem

@@ -1,0 +1,24 @@
+#pragma once
+// One [[fem.contact]] with its names resolved: the nodes that touch, and what they touch.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fem_solver/mesh.hpp"
+
+namespace undertow::fem {
+
+struct ContactSet {
+    std::string name;
+    std::vector<std::int32_t> nodes;  // of the mesh, increasing; all of deformable elements
+    std::vector<double> area;         // [m2] tributary to each node on its facet set
+    std::vector<double> stiffness;    // [N/m] E A/h of the element behind each node
+    std::vector<Quad> surface;        // nodes of the mesh, normals out of the solid
+    int body = -1;                    // index of the rigid body it belongs to, -1 = none
+    double friction = 0;              // Coulomb coefficient
+    double max_shear = 0;             // [Pa] upper limit of the friction stress; 0 = none
+    double gap = 0;                   // [m] distance in the mesh at which they touch
+};
+
+}  // namespace undertow::fem

@@ -1,0 +1,66 @@
+#pragma once
+// Where does a node touch a faceted surface, and in which direction is it pushed?
+//
+// Facets stand in for a smooth surface: between two that meet at less than 30 degrees the normal
+// changes steadily (nodal normals, interpolated by the weights of the foot), so that a node in the
+// shallow valley between two facets of a round skirt does not chatter from one to the other.
+// Sharper convex edges and their corners are round: there a node is pushed along the line from its
+// foot.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/candidates.hpp"
+#include "fem_solver/mesh.hpp"
+#include "fem_solver/nodes.hpp"
+
+namespace undertow::fem {
+
+struct Touch {
+    std::uint32_t facet = 0;
+    std::array<double, 4> weight{};  // of the facet's nodes at the foot
+    Eigen::Vector3d normal;          // unit, out of the surface
+    double distance = 0;             // [m] signed, along the normal
+};
+
+class TouchedSurface {
+ public:
+    /// Facets by nodes of the mesh.
+    TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes);
+    // The contact library's surface refers to the positions kept here.
+    TouchedSurface(const TouchedSurface&) = delete;
+    TouchedSurface& operator=(const TouchedSurface&) = delete;
+
+    /// Takes positions and velocities of this step.
+    void follow(const Nodes& nodes);
+    /// Normals of the facets at their present positions; all of them.
+    void refresh_normals();
+    /// Nearest of the candidate facets; false if there is none, or if the node lies beyond the rim
+    /// of the surface.
+    bool touch(const Eigen::Vector3d& x, std::span<const std::uint32_t> candidates,
+               Touch& out) const;
+
+    const contact::Surface& facets() const { return surface_; }
+    const std::vector<std::int32_t>& node() const { return node_; }  // of the mesh, increasing
+    Eigen::Vector3d position(const Touch& touch) const;              // [m] of the foot
+    Eigen::Vector3d velocity(const Touch& touch) const;              // [m/s] of the foot
+
+ private:
+    void group_normals();
+    Eigen::Vector3d corner_normal(std::uint32_t facet, int corner) const;
+
+    std::vector<std::int32_t> node_;
+    std::vector<double> x_, v_;  // [m], [m/s] (nodes, 3)
+    contact::Surface surface_;
+    std::vector<Eigen::Vector3d> normal_;  // per facet
+    // Facets whose normals make the normal of a corner: of corner k of facet f those from
+    // group_[start_[4 f + k]] to group_[start_[4 f + k + 1]].
+    std::vector<std::uint32_t> start_, group_;
+    std::vector<std::uint8_t> sharp_edge_;  // per facet, bit k: edge from corner k to the next
+    std::vector<std::uint8_t> sharp_node_;  // per node: on a sharp edge
+};
+
+}  // namespace undertow::fem

@@ -1,0 +1,254 @@
+#include "fem_solver/rigid/rigid_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fem_solver/rigid/rotation.hpp"
+
+namespace undertow::fem {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
+
+Vector vector(const Vec3& a) {
+    return Vector(a[0], a[1], a[2]);
+}
+Vector vector(const NodeRow& row) {
+    return Vector(row.c[0], row.c[1], row.c[2]);
+}
+Vec3 array(const Vector& a) {
+    return {a[0], a[1], a[2]};
+}
+void put(NodeRow& row, const Vector& a) {
+    for (int d = 0; d < 3; ++d) row.c[d] = a[d];
+}
+
+Matrix inertia_of_point(double mass, const Vector& r) {
+    return mass * (r.squaredNorm() * Matrix::Identity() - r * r.transpose());
+}
+
+}  // namespace
+
+struct RigidBody::State {
+    RigidSet set;
+    double mass = 0;              // [kg]
+    std::vector<Vector> frame;    // [m] nodes in the body's frame
+    Vector weight_arm;            // [m] center of weight in the body's frame
+    Matrix inertia;               // [kg m2] in the body's frame
+    Vector free_move, free_turn;  // 1 or 0 per axis
+
+    Vector center, v = Vector::Zero();  // [m], [m/s]
+    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+    Vector L = Vector::Zero(), w = Vector::Zero();  // [kg m2/s], [rad/s]
+    Matrix step_turn = Matrix::Zero();  // (exp(dt w) - I)/dt [1/s]: velocities by chords
+    Vector contact_force = Vector::Zero(), contact_moment = Vector::Zero();
+
+    Vector center_from, contact_force_from = Vector::Zero(), contact_moment_from = Vector::Zero();
+    Eigen::Quaterniond turned_from = Eigen::Quaterniond::Identity();
+    Vector weight_point_from;  // [m]
+
+    /// w with I w = L among the free axes.
+    Vector solve_among_free(const Matrix& I, const Vector& l) const {
+        Matrix A = Matrix::Identity();
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (free_turn[i] != 0 && free_turn[j] != 0) A(i, j) = I(i, j);
+        return A.ldlt().solve(l);
+    }
+    Matrix inertia_at(const Matrix& R) const { return R * inertia * R.transpose(); }
+
+    /// w of the step dt that carries L.
+    Vector turning_speed(double dt) const {
+        const Matrix R = turned.toRotationMatrix();
+        Vector speed = w;
+        // The angle of a step is small, so each round gains as many digits as the angle is small.
+        for (int round = 0; round < 100; ++round) {
+            const Matrix middle = rotation_matrix(0.5 * dt * speed) * R;
+            const Vector next = solve_among_free(inertia_at(middle), L);
+            const double change = (next - speed).norm();
+            speed = next;
+            if (change <= 1e-15 * speed.norm()) break;
+        }
+        return speed;
+    }
+    Vector weight_point() const { return center + turned * weight_arm; }
+};
+
+RigidBody::RigidBody(RigidSet set, Nodes& nodes) : s_(std::make_unique<State>()) {
+    State& s = *s_;
+    s.set = std::move(set);
+    Vector moment = Vector::Zero();
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i) {
+        s.mass += s.set.mass[i];
+        moment += s.set.mass[i] * vector(nodes.x[s.set.nodes[i]]);
+    }
+    s.mass += s.set.added_mass;
+    moment += s.set.added_mass * vector(s.set.added_at);
+    s.center = s.center_from = moment / s.mass;
+
+    s.inertia = inertia_of_point(s.set.added_mass, vector(s.set.added_at) - s.center);
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i) {
+        const std::int32_t n = s.set.nodes[i];
+        s.frame.push_back(vector(nodes.x[n]) - s.center);
+        s.inertia += inertia_of_point(s.set.mass[i], s.frame.back());
+        for (int d = 0; d < 3; ++d) nodes.inverse_mass[n].c[d] = 0;
+    }
+    s.weight_arm = vector(s.set.weight_center) - s.center;
+    s.weight_point_from = s.weight_point();
+    for (int d = 0; d < 3; ++d) {
+        s.free_move[d] = s.set.free[d] ? 1 : 0;
+        s.free_turn[d] = s.set.free[3 + d] ? 1 : 0;
+    }
+}
+RigidBody::~RigidBody() = default;
+RigidBody::RigidBody(RigidBody&&) noexcept = default;
+
+void RigidBody::add_contact(const Vec3& x, const Vec3& force) {
+    s_->contact_force += vector(force);
+    s_->contact_moment += (vector(x) - s_->center).cross(vector(force));
+}
+
+void RigidBody::clear_contact() {
+    s_->contact_force = s_->contact_moment = Vector::Zero();
+}
+
+Wrench RigidBody::load(const Nodes& nodes) const {
+    Vector force = Vector::Zero(), moment = Vector::Zero();
+    for (std::int32_t n : s_->set.nodes) {
+        const Vector f = vector(nodes.f[n]);
+        force += f;
+        moment += (vector(nodes.x[n]) - s_->center).cross(f);
+    }
+    return {array(force), array(moment)};
+}
+
+Wrench RigidBody::unbalanced(const Nodes& nodes, const Vec3& gravity) const {
+    const State& s = *s_;
+    const Wrench nodal = load(nodes);
+    const Vector weight = s.set.weight_mass * vector(gravity);
+    const Vector force = vector(nodal.force) + s.contact_force + weight;
+    const Vector moment =
+        vector(nodal.moment) + s.contact_moment + (s.weight_point() - s.center).cross(weight);
+    return {array(s.free_move.cwiseProduct(force)), array(s.free_turn.cwiseProduct(moment))};
+}
+
+void RigidBody::rest_nodes(Nodes& nodes) const {
+    for (std::int32_t n : s_->set.nodes) nodes.v[n] = NodeRow{};
+}
+
+KickReport RigidBody::kick(Nodes& nodes, const Kick& step) {
+    State& s = *s_;
+    const double span = 0.5 * (step.dt_before + step.dt_after);
+    const double keep = 1 - 0.5 * step.damping * span, divide = 1 / (1 + 0.5 * step.damping * span);
+    const Wrench pull = unbalanced(nodes, step.gravity);
+    const Vector v_old = s.v, L_old = s.L, w_old = s.w;
+    s.v = (keep * v_old + span / s.mass * vector(pull.force)) * divide;
+    s.L = (keep * L_old + span * vector(pull.moment)) * divide;
+    s.w = s.turning_speed(step.dt_after);
+    // chords: (R^{n+1} - R^n) X / dt, without the cancellation
+    s.step_turn = step.dt_after > 0 ? Matrix(rotation_less_one(step.dt_after * s.w) / step.dt_after)
+                                    : cross_matrix(s.w);
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i) {
+        const std::int32_t n = s.set.nodes[i];
+        put(nodes.v[n], s.v + s.step_turn * (s.turned * s.frame[i]));
+    }
+    const Vector v_mean = v_old + s.v, L_mean = L_old + s.L;
+    const double quarter = 0.25 * step.damping;
+    KickReport report;
+    report.kinetic = 0.5 * s.mass * v_old.dot(s.v) + 0.25 * (w_old.dot(s.L) + s.w.dot(L_old));
+    report.damping_before =
+        quarter * step.dt_before * (s.mass * v_mean.dot(v_old) + L_mean.dot(w_old));
+    report.damping_after = quarter * step.dt_after * (s.mass * v_mean.dot(s.v) + L_mean.dot(s.w));
+    return report;
+}
+
+void RigidBody::drift(Nodes& nodes, double dt) {
+    State& s = *s_;
+    s.center += dt * s.v;
+    s.turned = (rotation_quaternion(dt * s.w) * s.turned).normalized();
+    const Matrix R = s.turned.toRotationMatrix();
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i)
+        put(nodes.x[s.set.nodes[i]], s.center + R * s.frame[i]);
+}
+
+void RigidBody::stop(Nodes& nodes) {
+    s_->v = s_->L = s_->w = Vector::Zero();
+    s_->step_turn = Matrix::Zero();
+    rest_nodes(nodes);
+}
+
+void RigidBody::count_from_here() {
+    State& s = *s_;
+    s.center_from = s.center;
+    s.turned_from = s.turned;
+    s.contact_force_from = s.contact_force;
+    s.contact_moment_from = s.contact_moment;
+    s.weight_point_from = s.weight_point();
+}
+
+double RigidBody::weight_work(const Vec3& gravity) const {
+    return s_->set.weight_mass * vector(gravity).dot(s_->weight_point() - s_->weight_point_from);
+}
+
+Wrench RigidBody::contact() const {
+    return {array(s_->contact_force - s_->contact_force_from),
+            array(s_->contact_moment - s_->contact_moment_from)};
+}
+
+double RigidBody::reach() const {
+    double squared = 0;
+    for (const Vector& X : s_->frame) squared = std::max(squared, X.squaredNorm());
+    return std::sqrt(squared);
+}
+
+double RigidBody::omega2_on_springs(const std::vector<Vec3>& x,
+                                    const std::vector<double>& k) const {
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
+    const State& s = *s_;
+    Matrix6 K = Matrix6::Zero(), M = Matrix6::Identity();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        Eigen::Matrix<double, 3, 6> moves;  // of the point by the six degrees of freedom
+        moves << Matrix::Identity(), -cross_matrix(vector(x[i]) - s.center);
+        K += k[i] * moves.transpose() * moves;
+    }
+    M.topLeftCorner<3, 3>() *= s.mass;
+    M.bottomRightCorner<3, 3>() = s.inertia_at(s.turned.toRotationMatrix());
+    for (int d = 0; d < 6; ++d)
+        if (!s.set.free[d]) {
+            K.row(d).setZero();
+            K.col(d).setZero();
+            M.row(d).setZero();
+            M.col(d).setZero();
+            M(d, d) = 1;
+        }
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, M, Eigen::EigenvaluesOnly)
+        .eigenvalues()[5];
+}
+
+const RigidSet& RigidBody::set() const {
+    return s_->set;
+}
+double RigidBody::mass() const {
+    return s_->mass;
+}
+Vec3 RigidBody::center() const {
+    return array(s_->center);
+}
+Vec3 RigidBody::displacement() const {
+    return array(s_->center - s_->center_from);
+}
+Vec3 RigidBody::rotation() const {
+    return array(rotation_vector(s_->turned * s_->turned_from.conjugate()));
+}
+Vec3 RigidBody::velocity() const {
+    return array(s_->v);
+}
+Vec3 RigidBody::angular_velocity() const {
+    return array(s_->w);
+}
+Vec3 RigidBody::moment_of_momentum() const {
+    return array(s_->L);
+}
+
+}  // namespace undertow::fem

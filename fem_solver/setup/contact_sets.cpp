@@ -1,0 +1,148 @@
+#include "fem_solver/setup/contact_sets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "wire/errors.hpp"
+#include "wire/number_text.hpp"
+
+namespace undertow::fem {
+namespace {
+
+double area_of(const Mesh& mesh, const Quad& q) {
+    double a[3], b[3];
+    for (int d = 0; d < 3; ++d) {
+        a[d] = mesh.x[q[2]][d] - mesh.x[q[0]][d];
+        b[d] = mesh.x[q[3]][d] - mesh.x[q[1]][d];
+    }
+    return 0.5 * std::sqrt(std::pow(a[1] * b[2] - a[2] * b[1], 2) +
+                           std::pow(a[2] * b[0] - a[0] * b[2], 2) +
+                           std::pow(a[0] * b[1] - a[1] * b[0], 2));
+}
+
+/// The element of each facet: by its sorted nodes.
+class Backers {
+ public:
+    Backers(const Mesh& mesh, const std::vector<Quad>& facets) {
+        for (const Quad& q : facets) element_[key(q)] = -1;
+        for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
+            for (const auto& face : hexahedron_face) {
+                const Hexahedron& h = mesh.hexahedra[e];
+                const auto found =
+                    element_.find(key({h[face[0]], h[face[1]], h[face[2]], h[face[3]]}));
+                if (found != element_.end()) found->second = std::int32_t(e);
+            }
+    }
+    std::int32_t of(const Quad& q) const { return element_.at(key(q)); }  // -1: of no element
+
+ private:
+    static Quad key(Quad q) {
+        std::sort(q.begin(), q.end());
+        return q;
+    }
+    std::map<Quad, std::int32_t> element_;
+};
+
+/// Distance [m] from the facet to the opposite face of its element, mean over the corners.
+double depth_of(const Mesh& mesh, const Quad& facet, const Hexahedron& h) {
+    Vec3 of_facet{}, of_rest{};
+    for (std::int32_t n : h) {
+        const bool on_facet = std::find(facet.begin(), facet.end(), n) != facet.end();
+        for (int d = 0; d < 3; ++d) (on_facet ? of_facet : of_rest)[d] += 0.25 * mesh.x[n][d];
+    }
+    double squared = 0;
+    for (int d = 0; d < 3; ++d) squared += std::pow(of_facet[d] - of_rest[d], 2);
+    return std::sqrt(squared);
+}
+
+/// Young's modulus [Pa] of each element.
+std::vector<double> moduli_of(const FemSettings& fem, const Mesh& mesh) {
+    std::vector<double> modulus(mesh.hexahedra.size(), 0.0);
+    for (const FemPart& part : fem.part)
+        for (const FemMaterial& material : fem.material)
+            if (material.name == part.material)
+                for (std::int32_t e : mesh.elements_of(part.set, "fem.part"))
+                    modulus[e] = material.young_modulus;
+    return modulus;
+}
+
+int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vector<Quad>& facets,
+                    const std::vector<int>& body_of_node, const std::vector<RigidSet>& bodies) {
+    const int body = body_of_node[facets.front()[0]];
+    for (const Quad& q : facets)
+        for (std::int32_t n : q)
+            if (body_of_node[n] != body) {
+                const int named = std::max(body, body_of_node[n]);
+                throw InputError("fem.contact \"" + contact.name + "\": surface \"" +
+                                 contact.surface + "\" lies only partly on the rigid body \"" +
+                                 bodies[named].name + "\" (see the node at " +
+                                 point_text(mesh.x[n]) + "); make one contact per body.");
+            }
+    return body;
+}
+
+ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
+                            const std::vector<RigidSet>& bodies,
+                            const std::vector<int>& body_of_node,
+                            const std::vector<double>& modulus) {
+    const std::string name = "fem.contact \"" + contact.name + "\"";
+    ContactSet set;
+    set.name = contact.name;
+    set.friction = contact.friction;
+    set.max_shear = contact.max_shear;
+    set.gap = contact.gap;
+    set.surface = mesh.facets_of(contact.surface, "fem.contact surface");
+    const std::vector<Quad>& facets = mesh.facets_of(contact.nodes, "fem.contact nodes");
+    if (set.surface.empty() || facets.empty())
+        throw InputError(name + ": the facet set \"" +
+                         (facets.empty() ? contact.nodes : contact.surface) + "\" is empty.");
+    set.body = body_of_surface(contact, mesh, set.surface, body_of_node, bodies);
+
+    set.nodes = mesh.nodes_of(contact.nodes, "fem.contact nodes");
+    set.area.resize(set.nodes.size());
+    set.stiffness.resize(set.nodes.size());
+    const auto index = [&](std::int32_t n) {
+        return std::size_t(std::lower_bound(set.nodes.begin(), set.nodes.end(), n) -
+                           set.nodes.begin());
+    };
+    const Backers backers(mesh, facets);
+    for (const Quad& q : facets) {
+        const std::int32_t e = backers.of(q);
+        if (e < 0 || body_of_node[q[0]] >= 0)
+            throw InputError(name + ": the facet at " + point_text(mesh.x[q[0]]) +
+                             " of nodes = \"" + contact.nodes +
+                             "\" belongs to no deformable element; let the soil's facets be "
+                             "\"nodes\" and the rigid body's \"surface\".");
+        const double area = area_of(mesh, q), depth = depth_of(mesh, q, mesh.hexahedra[e]);
+        for (std::int32_t n : q) {
+            set.area[index(n)] += area / 4;
+            set.stiffness[index(n)] += modulus[e] * area / 4 / depth;
+        }
+    }
+    for (const Quad& q : set.surface)
+        for (std::int32_t n : q)
+            if (std::binary_search(set.nodes.begin(), set.nodes.end(), n))
+                throw InputError(name + ": \"" + contact.nodes + "\" and \"" + contact.surface +
+                                 "\" share the node at " + point_text(mesh.x[n]) +
+                                 "; the mesh must leave the gap of " + number_text(contact.gap) +
+                                 " m between them.");
+    return set;
+}
+
+}  // namespace
+
+std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
+                                          const std::vector<RigidSet>& bodies) {
+    std::vector<ContactSet> sets;
+    if (c.fem.contact.empty()) return sets;
+    std::vector<int> body_of_node(mesh.x.size(), -1);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        for (std::int32_t n : bodies[b].nodes) body_of_node[n] = int(b);
+    const std::vector<double> modulus = moduli_of(c.fem, mesh);
+    for (const FemContact& contact : c.fem.contact)
+        sets.push_back(make_contact_set(contact, mesh, bodies, body_of_node, modulus));
+    return sets;
+}
+
+}  // namespace undertow::fem
