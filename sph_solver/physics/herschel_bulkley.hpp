@@ -7,9 +7,9 @@
 namespace undertow::sph {
 
 /// mu = mu_N + [tau_y (1 - exp(-m gd)) + K gd^n]/gd, at most mu_max  [Pa s]
-/// Herschel & Bulkley (1926), the yield stress regularized as by Papanastasiou (1987). Power law and
-/// Bingham are its special cases. m = mu_max/tau_y lets the yield part end at mu_max at rest: it
-/// departs from tau_y/gd only where that would exceed a third of mu_max.
+/// Herschel & Bulkley (1926), the yield stress regularized as by Papanastasiou (1987). Power law
+/// and Bingham are its special cases. m = mu_max/tau_y lets the yield part end at mu_max at rest:
+/// it departs from tau_y/gd only where that would exceed a third of mu_max.
 struct HerschelBulkley {
     double yield_stress = 0;   // tau_y [Pa]
     double consistency = 0;    // K [Pa s^n]
@@ -17,7 +17,8 @@ struct HerschelBulkley {
     double newtonian = 0;      // mu_N [Pa s]
     double max_viscosity = 0;  // mu_max [Pa s]
 
-    /// gd [1/s] shear rate sqrt(2 D:D), >= 0; on float for the fast sums, on double for the reference.
+    /// gd [1/s] shear rate sqrt(2 D:D), >= 0; on float for the fast sums, on double for the
+    /// reference.
     template <class Real>
     Real operator()(Real gd) const {
         const Real m = yield_stress > 0 ? Real(max_viscosity / yield_stress) : Real(0);

@@ -29,7 +29,7 @@ inline Lanes load_cluster(const Packed* records, int first, int last) {
 /// What the lanes of a cluster look up in a Mixture.
 struct MixedLanes {
     Factors<float, float8> factors;
-    Meeting<float8> with[FluidTag::most];   // by the fluid of j
+    Meeting<float8> with[FluidTag::most];  // by the fluid of j
 };
 
 /// mu: viscosities of the records, or null where they are constant.
@@ -72,6 +72,8 @@ class ContentOf {
     FluidBits plastic_ = 0;
 };
 
-inline int only_fluid(FluidBits met) { return std::countr_zero(met); }
+inline int only_fluid(FluidBits met) {
+    return std::countr_zero(met);
+}
 
 }  // namespace undertow::sph

@@ -11,11 +11,11 @@ namespace undertow::sph {
 /// Constants that multiply the finished sums; OfOwn where they depend on the particle's fluid.
 template <class Scalar, class OfOwn = Scalar>
 struct Factors {
-    Scalar gradient;   // scale * unit: of sums with x_ij [1/m^(d+1)]
-    Scalar viscous;    // 2 mu scale [Pa s/m^(d+2)]; 2 scale where mu is in the sums
-    OfOwn diffusive;   // 2 delta h scale / c0 [s/m^(d+2)]: from pressure to density differences
-    OfOwn per_mass;    // 1/(rho0 V0): 1/rho_i = V_i/(rho0 V0) exactly, so that pair forces are
-                       // equal and opposite
+    Scalar gradient;  // scale * unit: of sums with x_ij [1/m^(d+1)]
+    Scalar viscous;   // 2 mu scale [Pa s/m^(d+2)]; 2 scale where mu is in the sums
+    OfOwn diffusive;  // 2 delta h scale / c0 [s/m^(d+2)]: from pressure to density differences
+    OfOwn per_mass;   // 1/(rho0 V0): 1/rho_i = V_i/(rho0 V0) exactly, so that pair forces are
+                      // equal and opposite
 };
 
 /// Constants of the loop over one fluid.
@@ -41,13 +41,13 @@ template <class Scalar>
 struct Mixture {
     int fluids = 0;
     PairConstants<Scalar> constants{};
-    Scalar gradient = 0, viscous = 0;   // as in Factors
+    Scalar gradient = 0, viscous = 0;  // as in Factors
     Scalar rho0[FluidTag::most], diffusive[FluidTag::most], per_mass[FluidTag::most];
-    Meeting<Scalar> meeting[FluidTag::most][FluidTag::most];   // [i][j]
+    Meeting<Scalar> meeting[FluidTag::most][FluidTag::most];  // [i][j]
 
     Mixture(const PairPhysics& p, double scale, double unit)
         : fluids(static_cast<int>(p.fluids.size())) {
-        FluidLaw none;   // its part of the constants is in the tables
+        FluidLaw none;  // its part of the constants is in the tables
         none.rho0 = 1, none.c0 = 0;
         constants = pair_constants<Scalar>(p, none, unit);
         gradient = Scalar(scale * unit), viscous = Scalar(2 * scale);
@@ -82,10 +82,9 @@ void acceleration(const Factors<Scalar, OfOwn>& k, Real per_rho, const PairSums<
 
 /// gd = sqrt(2 D':D') of the deviatoric strain rate D', with grad v = G M^-1, which is exact in a
 /// linear field for any arrangement of neighbors: G ~ sum V F v_ij x_ij, M ~ sum V F x_ij x_ij,
-/// about one. M is not inverted where the neighbors lie nearly in a plane or on a line (drops, sheets
-/// one particle thin): det M < 0.05 (tr M/3)^3, a measure of shape that surfaces, edges and corners
-/// of a body pass.   [1/s]
-/// to_gradient: scale unit [1/(m^d unit)]; to_moment: scale unit^2.
+/// about one. M is not inverted where the neighbors lie nearly in a plane or on a line (drops,
+/// sheets one particle thin): det M < 0.05 (tr M/3)^3, a measure of shape that surfaces, edges and
+/// corners of a body pass.   [1/s] to_gradient: scale unit [1/(m^d unit)]; to_moment: scale unit^2.
 template <class Real, class Scalar>
 Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, int dimension) {
     const Real xx = to_moment * s.xx, xy = to_moment * s.xy, xz = to_moment * s.xz,
@@ -96,7 +95,8 @@ Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, 
     const Real det = xx * cxx + xy * cxy + xz * cxz;
     const Real trace = xx + yy + zz;
     const auto surrounded = det > Scalar(0.05 / 27) * trace * trace * trace;
-    const Real none = det * Scalar(0), one = none + Scalar(1), per_det = one / (surrounded ? det : one);
+    const Real none = det * Scalar(0), one = none + Scalar(1),
+               per_det = one / (surrounded ? det : one);
     const Real ixx = surrounded ? cxx * per_det : one, ixy = surrounded ? cxy * per_det : none,
                ixz = surrounded ? cxz * per_det : none, iyy = surrounded ? cyy * per_det : one,
                iyz = surrounded ? cyz * per_det : none, izz = surrounded ? czz * per_det : one;
@@ -111,7 +111,7 @@ Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, 
                vz_z = s.vzx * ixz + s.vzy * iyz + s.vzz * izz;
     const Real mean = (vx_x + vy_y + vz_z) * Scalar(1.0 / 3);
     const Real dxx = vx_x - mean, dyy = vy_y - mean, dzz = vz_z - mean;
-    const Real gxy = vx_y + vy_x, gxz = vx_z + vz_x, gyz = vy_z + vz_y;   // 2 D_ab
+    const Real gxy = vx_y + vy_x, gxz = vx_z + vz_x, gyz = vy_z + vz_y;  // 2 D_ab
     return to_gradient * square_root(Scalar(2) * (dxx * dxx + dyy * dyy + dzz * dzz) + gxy * gxy +
                                      gxz * gxz + gyz * gyz);
 }

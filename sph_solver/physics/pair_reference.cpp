@@ -28,11 +28,12 @@ ReferenceSums reference(const PairPhysics& physics, const Neighborhood& neighbor
         const Own<double> own{q.vx, q.vy, q.vz, q.p, mixture.rho0[fluid], viscosity_of(i)};
         PairSums<double> sum;
         ShearSums<double> shear;
-        for (std::size_t at = 0; at < records.size(); ++at) {   // no list to be wrong
+        for (std::size_t at = 0; at < records.size(); ++at) {  // no list to be wrong
             const Packed& j = records[at];
             const double dx = to_real(q.x - j.x, 0.0), dy = to_real(q.y - j.y, 0.0),
                          dz = to_real(q.z - j.z, 0.0);
-            if (dx * dx + dy * dy + dz * dz > 4.01 * physics.h * physics.h / (unit * unit)) continue;
+            if (dx * dx + dy * dy + dz * dz > 4.01 * physics.h * physics.h / (unit * unit))
+                continue;
             add_pair<KernelLaw, Terms::both, Content::sheared>(
                 mixture.constants, own, dx, dy, dz, j, sum, &mixture.meeting[fluid][fluid_of(j)],
                 viscosity_of(at), &shear);
@@ -42,8 +43,8 @@ ReferenceSums reference(const PairPhysics& physics, const Neighborhood& neighbor
         acceleration(k, per_rho, sum, a[0], a[1], a[2]);
         of.rate.push_back(density_rate(k, per_rho, sum));
         of.acceleration.push_back(a);
-        of.shear_rate.push_back(shear_rate(shear, mixture.gradient, mixture.gradient * unit,
-                                           physics.dimension));
+        of.shear_rate.push_back(
+            shear_rate(shear, mixture.gradient, mixture.gradient * unit, physics.dimension));
     }
     return of;
 }

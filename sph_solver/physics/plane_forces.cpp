@@ -10,7 +10,8 @@ namespace {
 /// Calls f(mask, ax, ay, az) with the accelerations that the eight get from each image at a plane.
 template <class KernelLaw, Content content, class OfOwn, class F>
 void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
-                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster, F&& f) {
+                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
+                    F&& f) {
     constexpr bool variable = content == Content::viscoplastic;
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
@@ -69,15 +70,16 @@ std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborho
             }
         };
         if (!mixed) {
-            for_each_image<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster, add);
+            for_each_image<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
+                                                          add);
             continue;
         }
         MixedLanes m;
         look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
                 i.own, m);
         if (variable)
-            for_each_image<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i, m.with,
-                                                             neighbors, cluster, add);
+            for_each_image<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                                                             m.with, neighbors, cluster, add);
         else
             for_each_image<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
                                                         neighbors, cluster, add);

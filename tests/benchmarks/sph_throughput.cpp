@@ -112,12 +112,13 @@ int main(int argc, char** argv) {
                   {"two_newtonian", Scene::two_newtonian},
                   {"slide_under_water", Scene::slide_under_water},
                   {"viscoplastic", Scene::one_viscoplastic}};
-    if (json) std::printf("{\"threads\": %d", omp_get_max_threads());
+    if (json)
+        std::printf("{\"threads\": %d", omp_get_max_threads());
     else
         std::printf("%-20s %10s %10s   M particle-steps/s and thread, %d threads\n", "", "one pass",
                     "two pass", omp_get_max_threads());
     for (const auto& s : scenes) {
-        double best[2] = {0, 0};   // of three: what disturbs only slows
+        double best[2] = {0, 0};  // of three: what disturbs only slows
         for (int k = 0; k < 6; ++k)
             best[k % 2] = std::max(best[k % 2], throughput(s.scene, k % 2, steps));
         if (json)

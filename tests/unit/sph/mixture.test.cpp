@@ -52,7 +52,7 @@ TEST_CASE("pair forces between two fluids conserve momentum to round-off") {
     }
     // as for one fluid: float32 sums of some 60 terms and a 14-bit reciprocal
     for (const double s : sum) CHECK(std::abs(s) < 1e-6 * magnitude);
-    CHECK(std::abs(on_water) > 1e-3 * magnitude);   // there is something to be balanced
+    CHECK(std::abs(on_water) > 1e-3 * magnitude);  // there is something to be balanced
 }
 
 TEST_CASE("the fast sums over two fluids agree with the reference in double precision") {
@@ -60,8 +60,7 @@ TEST_CASE("the fast sums over two fluids agree with the reference in double prec
     const bool viscoplastic = GENERATE(false, true);
     FluidSystem fluid = disturbed_layers(kernel, GENERATE(2, 3), viscoplastic);
     fluid.pack(0);
-    const ReferenceSums exact =
-        sum_over_neighbors_reference(fluid.physics(), fluid.neighbors());
+    const ReferenceSums exact = sum_over_neighbors_reference(fluid.physics(), fluid.neighbors());
     fluid.sum_over_neighbors(Terms::both);
     const Particles& p = fluid.particles;
     Largest rate, a, shear;
@@ -73,9 +72,9 @@ TEST_CASE("the fast sums over two fluids agree with the reference in double prec
         if (fluid.fluid_of(i).viscoplastic()) shear.compare(exact.shear_rate[i], p.shear_rate[i]);
     }
     CHECK(rate.error < 1e-5 * rate.value);
-    CHECK(a.error < 1e-4 * a.value);   // the 14-bit reciprocal of the artificial viscosity
-    CHECK((viscoplastic ? shear.value > 10 : shear.value == 0));   // [1/s]
-    CHECK(shear.error <= 1e-4 * shear.value);   // float32 through the inverse of a 3 x 3 matrix
+    CHECK(a.error < 1e-4 * a.value);  // the 14-bit reciprocal of the artificial viscosity
+    CHECK((viscoplastic ? shear.value > 10 : shear.value == 0));  // [1/s]
+    CHECK(shear.error <= 1e-4 * shear.value);  // float32 through the inverse of a 3 x 3 matrix
 }
 
 TEST_CASE("clusters inside one fluid run the loop of one fluid") {
@@ -115,7 +114,7 @@ TEST_CASE("the same fluid named twice flows as one") {
     single.sph.fluid.pop_back();
     input.sph.fluid[1].name = "slide";
     single.sph.fill.pop_back();
-    input.sph.density_diffusion = single.sph.density_diffusion = 0;   // never between two names
+    input.sph.density_diffusion = single.sph.density_diffusion = 0;  // never between two names
     FluidSystem two(input, 0.2), one(single, 0.2);
     for (FluidSystem* fluid : {&two, &one}) {
         Particles& p = fluid->particles;
@@ -142,8 +141,8 @@ TEST_CASE("the same fluid named twice flows as one") {
         a.compare(one.particles.ax[at->second], two.particles.ax[i]);
         rate.compare(one.particles.drho_dt[at->second], two.particles.drho_dt[i]);
     }
-    REQUIRE(a.value > 1);   // [m/s2]
-    CHECK(a.error < 1e-5 * a.value);   // the tag takes 4e-7 of a volume; float32 in another order
+    REQUIRE(a.value > 1);             // [m/s2]
+    CHECK(a.error < 1e-5 * a.value);  // the tag takes 4e-7 of a volume; float32 in another order
     CHECK(rate.error < 1e-5 * rate.value);
 }
 
@@ -154,7 +153,7 @@ TEST_CASE("a heavy layer under water stays at rest, unmixed, under the weight of
     Case input = scenes::two_layers(dx, size, lower, viscoplastic);
     scenes::add_basin(input, size);
     input.sph.artificial_viscosity = 0.05;
-    input.sph.smoothing_ratio = 1.5;   // 107 neighbors hold a lattice, see fluid_system.test.cpp
+    input.sph.smoothing_ratio = 1.5;  // 107 neighbors hold a lattice, see fluid_system.test.cpp
     FluidSystem fluid(input, 0.4);
     const double dt = 1.3 * dx / fluid.fluid().c0;
     double t = 0, before = 0;
@@ -169,7 +168,8 @@ TEST_CASE("a heavy layer under water stays at rest, unmixed, under the weight of
     double error = 0, floor = 0, momentum = 0;
     int on_floor = 0;
     for (std::size_t i = 0; i < p.size(); ++i) {
-        const double exact = p.fluid[i] == 1 ? bottom - 1681 * g * p.z[i] : 1000 * g * (depth - p.z[i]);
+        const double exact =
+            p.fluid[i] == 1 ? bottom - 1681 * g * p.z[i] : 1000 * g * (depth - p.z[i]);
         error = std::max(error, std::abs(p.p[i] - exact));
         CHECK((p.fluid[i] == 1) == (p.z[i] < lower));
         momentum += p.vz[i];
@@ -186,7 +186,7 @@ TEST_CASE("images and dummies are of the fluid they stand for") {
     const Vec3 size{0.1, 0.1, 0.2};
     Case input = scenes::two_layers(0.01, size, 0.1, true);
     scenes::add_basin(input, size);
-    input.sph.plane.erase(input.sph.plane.begin() + 2);   // "right" becomes a plate
+    input.sph.plane.erase(input.sph.plane.begin() + 2);  // "right" becomes a plate
     PlateWall gate;
     gate.name = "gate";
     gate.box = {{0.1, 0, 0}, {0.13, 0.1, 0.2}};
@@ -200,7 +200,8 @@ TEST_CASE("images and dummies are of the fluid they stand for") {
         if (extra.from_plate) continue;
         const Packed& image = near.records()[near.first_extra() + e];
         REQUIRE(FluidTag::of(image) == fluid.particles.fluid[extra.source]);
-        REQUIRE(near.viscosity()[near.first_extra() + e] == fluid.particles.viscosity[extra.source]);
+        REQUIRE(near.viscosity()[near.first_extra() + e] ==
+                fluid.particles.viscosity[extra.source]);
     }
     const double g = 9.81;
     int checked = 0;
@@ -228,7 +229,8 @@ TEST_CASE("the planes carry the weight of each fluid") {
     const auto force = plane_forces(fluid.physics(), fluid.neighbors(), fluid.mirror());
     REQUIRE(force.size() == 10);
     const double g = 9.81, area = 0.01;
-    // floor: all rests on the lower fluid; the pair sum at a mirror is the pressure of the first layer
+    // floor: all rests on the lower fluid; the pair sum at a mirror is the pressure of the first
+    // layer
     CHECK(force[0] == 0);
     CHECK(force[1] == Approx(area * g * 0.1 * (1000 + 1681)).epsilon(0.02));
     // side: mean pressure of each layer's half of it
