@@ -42,8 +42,10 @@ std::vector<double> masses_of(const std::vector<std::int32_t>& node, const Nodes
 
 }  // namespace
 
-TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes)
-    : node_(nodes_of(facets)),
+TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes,
+                               SurfaceKind kind)
+    : kind_(kind),
+      node_(nodes_of(facets)),
       x_(3 * node_.size()),
       v_(3 * node_.size()),
       surface_(renumbered(facets, node_), masses_of(node_, nodes)),
@@ -176,7 +178,7 @@ bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candi
         const bool on_corner = best.rim == 1 << k && sharp_node_[q[k]];
         if (!(on_edge || on_corner) || best_side < 0) continue;
         Vector offset = best.offset;
-        if (on_edge)  // the edge bulges with both facets
+        if (on_edge && kind_ == SurfaceKind::rigid)  // the edge bulges with both facets
             for (std::uint32_t f : {out.facet, std::uint32_t(across_[4 * out.facet + k])})
                 offset -= bulge(f, q[k], q[next], best.weight[k], best.weight[next]);
         out.distance = offset.norm();
@@ -209,7 +211,7 @@ bool TouchedSurface::touch_smooth(const Vector& x, const contact::Foot& nearest,
     double height = 0;
     const std::int32_t* q = surface_.corners(out.facet);
     for (int k = 0; k < 4; ++k)
-        if (foot.weight[k] != 0)
+        if (foot.weight[k] != 0 && kind_ == SurfaceKind::rigid)
             height -= 0.5 * foot.weight[k] *
                       (at - surface_.position(q[k])).dot(corner_normal(out.facet, k));
     const double along = offset.dot(out.normal);
