@@ -243,10 +243,11 @@ TEST_CASE("a skirt pressed from both sides stays in equilibrium at the start, no
     WARN("pressed skirt: force left on a node " << left << " N of " << largest << " N, normal sum "
                                                 << pair.totals().normal_force << " of " << total
                                                 << " N");
-    // round-off of positions (1e-16 m) times k (1e6 N/m); radial normals although the facets are not
-    CHECK(left < 1e-9 * largest);
+    // Normals are radial although facets are not, but for what one correction of the foot leaves:
+    // (distance/radius)^2 times the angle of a facet, 0.005^2 * 0.26 = 7e-6.
+    CHECK(left < 7e-6 * largest);
     CHECK(pair.totals().friction == Vec3{0, 0, 0});
-    CHECK(pair.totals().normal_force == Approx(total).epsilon(1e-12));
+    CHECK(pair.totals().normal_force == Approx(total).epsilon(1e-9));  // the cosine of it
 }
 
 TEST_CASE("a skirt is pulled out by mu sigma_n A, and max_shear caps it") {
