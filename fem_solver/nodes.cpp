@@ -21,7 +21,8 @@ KickReport kick_block(Nodes& nodes, const Kick& step, std::size_t first, std::si
     Row kinetic = {}, before = {}, after = {}, speed2 = {};
     for (std::size_t n = first; n < last; ++n) {
         const Row im = as_row(nodes.inverse_mass[n]), v_old = as_row(nodes.v[n]);
-        const Row weight = im != 0.0 ? g : Row{};  // no weight where a support carries it
+        const Row weight =
+            im != 0.0 ? nodes.weight_share[n] * g : Row{};  // no weight where a support carries it
         const Row a = as_row(nodes.f[n]) * im + weight;
         const Row v_new = (v_old * keep + span * a) * divide;
         const Row v_mean = v_old + v_new, m = nodes.mass[n] - Row{};
@@ -57,13 +58,17 @@ KickReport& KickReport::operator+=(const KickReport& other) {
     return *this;
 }
 
-Nodes make_nodes(const Mesh& mesh, std::vector<double> mass) {
+Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
+                 const std::vector<double>& weight_mass) {
     const std::size_t n = mesh.x.size();
     Nodes nodes;
     nodes.x0.resize(n);
     nodes.v.resize(n);
     nodes.f.resize(n);
     nodes.inverse_mass.resize(n);
+    nodes.weight_share.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+        nodes.weight_share[i] = mass[i] > 0 ? weight_mass[i] / mass[i] : 0;
     for (std::size_t i = 0; i < n; ++i)
         for (int d = 0; d < 3; ++d) {
             nodes.x0[i].c[d] = mesh.x[i][d];

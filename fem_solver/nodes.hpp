@@ -20,6 +20,7 @@ struct Nodes {
     NodeRows f;                // [N] external minus internal forces at n, without weight
     NodeRows inverse_mass;     // [1/kg] per direction; 0 where a support holds the node
     std::vector<double> mass;  // [kg] lumped; 0 of an immobile node, which has no element
+    std::vector<double> weight_share;  // mass that gravity acts on over mass
 
     std::size_t size() const { return mass.size(); }
 };
@@ -43,8 +44,10 @@ struct Kick {
                            // that it neither lags nor shortens the stable step
 };
 
-/// Undeformed nodes at rest; `mass` [kg] per node. Forces are zero.
-Nodes make_nodes(const Mesh& mesh, std::vector<double> mass);
+/// Undeformed nodes at rest; `mass` [kg] per node, and the mass [kg] that gravity acts on. Forces
+/// are zero.
+Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
+                 const std::vector<double>& weight_mass);
 
 KickReport kick(Nodes& nodes, const Kick& step, int threads);
 /// Also clears the forces for the next step.

@@ -13,7 +13,21 @@ std::vector<std::int32_t> flat_hexahedra(const Mesh& mesh) {
     return flat;
 }
 
-std::vector<std::string> history_columns(const Model& model) {
+/// Columns of what a scene has no part of are left out.
+std::vector<std::string> energy_columns(const Structure& structure) {
+    std::vector<std::string> columns{"t [s]",         "kinetic [J]",        "internal [J]",
+                                     "hourglass [J]", "bulk viscosity [J]", "damping [J]"};
+    if (structure.elements().any_plastic()) columns.push_back("plastic [J]");
+    if (!structure.model().far_field.empty()) columns.push_back("far field [J]");
+    columns.insert(columns.end(), {"external work [J]", "contact work [J]"});
+    if (!structure.pairs().empty())
+        columns.insert(columns.end(), {"contact springs [J]", "friction [J]", "contact damping [J]"});
+    columns.push_back("balance error [J]");
+    return columns;
+}
+
+std::vector<std::string> history_columns(const Structure& structure) {
+    const Model& model = structure.model();
     std::vector<std::string> columns{"t [s]"};
     for (const Probe& probe : model.probes) {
         for (const char* d : {"ux", "uy", "uz"}) columns.push_back(probe.name + "." + d + " [m]");
@@ -22,6 +36,7 @@ std::vector<std::string> history_columns(const Model& model) {
     for (const Support& support : model.supports)
         for (const char* d : {"rx", "ry", "rz"})
             columns.push_back("support " + support.name + "." + d + " [N]");
+    if (structure.elements().any_plastic()) columns.push_back("yielding elements");
     for (const RigidSet& body : model.rigid) {
         for (const char* d : {"ux", "uy", "uz"}) columns.push_back(body.name + "." + d + " [m]");
         for (const char* d : {"rx", "ry", "rz"}) columns.push_back(body.name + "." + d + " [rad]");
@@ -58,20 +73,6 @@ std::vector<std::string> history_notes(const Model& model) {
     return notes;
 }
 
-/// Columns of energy.fem.csv; those of contact inside the mesh only where there is any.
-std::vector<std::string> energy_columns(const Model& model) {
-    std::vector<std::string> columns{"t [s]",          "kinetic [J]",        "internal [J]",
-                                     "hourglass [J]",  "bulk viscosity [J]", "damping [J]",
-                                     "external work [J]", "contact work [J]"};
-    if (!model.contacts.empty()) {
-        columns.push_back("contact springs [J]");
-        columns.push_back("friction [J]");
-        columns.push_back("contact damping [J]");
-    }
-    columns.push_back("balance error [J]");
-    return columns;
-}
-
 }  // namespace
 
 Output::Output(const std::string& folder, const Case& c, const Structure& structure,
@@ -82,9 +83,9 @@ Output::Output(const std::string& folder, const Case& c, const Structure& struct
               {"energies of the structure at t; what went in is external (weight, pressure) and "
                "contact work",
                "kinetic: 1/2 m v(t - dt/2).v(t + dt/2); balance error: the rest of the sum"},
-              energy_columns(structure.model())),
+              energy_columns(structure)),
       history_(folder + "/fem.history.csv", history_notes(structure.model()),
-               history_columns(structure.model())),
+               history_columns(structure)),
       row_times_(c.output.history_every, c.time.end),
       settlement_(std::move(settlement)) {}
 
@@ -108,10 +109,13 @@ void Output::fields(double t, const Structure& structure) {
             3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
         pressure[e] = -(s[0] + s[1] + s[2]) / 3;
     }
-    mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}},
-                 {{"stress", "Pa", 6, stress},
-                  {"von_mises", "Pa", 1, von_mises},
-                  {"pressure", "Pa", 1, pressure}});
+    const std::vector<double> plastic_strain = structure.elements().plastic_strain();
+    std::vector<Field> of_elements{{"stress", "Pa", 6, stress},
+                                   {"von_mises", "Pa", 1, von_mises},
+                                   {"pressure", "Pa", 1, pressure}};
+    if (structure.elements().any_plastic())
+        of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
+    mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}}, of_elements);
 }
 
 void Output::history(double t, const Structure& structure) {
@@ -127,16 +131,15 @@ void Output::last_history(double t, const Structure& structure) {
 void Output::write_rows(double t, const Structure& structure) {
     last_row_ = t;
     const Energies e = structure.energies();
-    row_ = {t,         e.kinetic,  e.internal, e.hourglass, e.bulk_viscosity,
-            e.damping, e.external, e.contact};
-    if (!structure.pairs().empty()) {
-        row_.push_back(e.pair_springs);
-        row_.push_back(e.pair_friction);
-        row_.push_back(e.pair_damping);
-    }
+    row_ = {t, e.kinetic, e.internal, e.hourglass, e.bulk_viscosity, e.damping};
+    if (structure.elements().any_plastic()) row_.push_back(e.plastic);
+    if (!structure.model().far_field.empty()) row_.push_back(e.far_field);
+    row_.insert(row_.end(), {e.external, e.contact});
+    if (!structure.pairs().empty())
+        row_.insert(row_.end(), {e.pair_springs, e.pair_friction, e.pair_damping});
     row_.push_back(e.balance_error());
     energy_.row(row_);
-    peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass,
+    peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass + e.plastic,
                              std::abs(e.external), std::abs(e.contact)});
     worst_balance_ = std::max(worst_balance_, std::abs(e.balance_error()));
     peak_displacement_ = std::max(peak_displacement_, structure.largest_displacement());
@@ -151,6 +154,7 @@ void Output::write_rows(double t, const Structure& structure) {
         const Vec3 r = structure.reaction(support);
         row_.insert(row_.end(), r.begin(), r.end());
     }
+    if (structure.elements().any_plastic()) row_.push_back(double(structure.yielding_elements()));
     write_bodies(structure);
     history_.row(row_);
 }

@@ -4,6 +4,7 @@
 // compiler splits it into two (AVX2) or four (SSE2); the source is the same. The kernels are
 // templates over the number type, so that `double` gives the readable scalar reference.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -43,6 +44,28 @@ UNDERTOW_KERNEL T smaller(const T& a, const T& b) {
 template <class T>
 UNDERTOW_KERNEL T magnitude(const T& a) {
     return a < 0.0 ? -a : a;
+}
+
+UNDERTOW_KERNEL double square_root(double a) {
+    return std::sqrt(a);
+}
+UNDERTOW_KERNEL Lanes square_root(const Lanes& a) {
+    Lanes out;
+#pragma GCC unroll 8
+    for (int l = 0; l < n_lanes; ++l) out[l] = std::sqrt(a[l]);
+    return out;
+}
+
+/// Whether a comparison holds in any lane.
+using LaneMask = std::int64_t __attribute__((vector_size(64)));
+UNDERTOW_KERNEL bool any(bool a) {
+    return a;
+}
+UNDERTOW_KERNEL bool any(const LaneMask& a) {
+    std::int64_t m = 0;
+#pragma GCC unroll 8
+    for (int l = 0; l < n_lanes; ++l) m |= a[l];
+    return m != 0;
 }
 
 /// Sum over the lanes, in one fixed order (the result must not depend on the machine's width).

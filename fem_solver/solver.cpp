@@ -11,6 +11,7 @@ Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, 
       t_release_(c.start.settle) {}
 
 bool Solver::step_to_the_end() {
+    structure_.release_far_field();
     n_ = link_.announce(structure_);
     bool output_due = true;
     for (;; ++n_) {

@@ -23,7 +23,8 @@ std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
 Structure::Structure(Model model, int threads)
     : model_(std::move(model)),
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
-      nodes_(make_nodes(model_.mesh, masses_of(elements_, model_))),
+      nodes_(make_nodes(model_.mesh, masses_of(elements_, model_),
+                        elements_.nodal_weight_masses(model_.mesh.x.size()))),
       contact_(model_.surface.node),
       // below this a step takes less time than waking threads several times
       threads_(elements_.size() < 16384 ? 1 : threads) {
@@ -31,6 +32,8 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    model_.far_field.hold(nodes_);
+    for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
     for (const RigidSet& set : model_.rigid) {
         for (std::int32_t n : set.nodes) is_rigid_[n] = 1;
@@ -84,7 +87,8 @@ void Structure::make_pairs() {
     elements_.step(nodes_, 0, threads_);
     pressure_forces(0);
     for (std::size_t n = 0; n < nodes_.size(); ++n)
-        for (int d = 0; d < 3; ++d) nodes_.f[n].c[d] += nodes_.mass[n] * model_.gravity[d];
+        for (int d = 0; d < 3; ++d)
+            nodes_.f[n].c[d] += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
     for (ContactPair& pair : pairs_) pair.balance(nodes_.f);
     for (NodeRow& f : nodes_.f) f = NodeRow{};
     pair_forces();
@@ -119,6 +123,8 @@ void Structure::internal_forces() {
     strain_work_ += report_.strain_work;
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;
+    plastic_work_ += report_.plastic_work;
+    model_.far_field.react(nodes_.x, nodes_.f);
     if (!pairs_.empty()) pair_forces();
 }
 
@@ -134,14 +140,31 @@ void Structure::contact_forces(std::span<const double> f) {
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
+    if (!model_.water) return;
+    model_.water->evaluate(nodes_.x);
+    model_.water->load.add_to(nodes_.f);
+}
+
+void Structure::release_far_field() {
+    if (model_.far_field.empty() || model_.far_field.released()) return;
+    std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
+    report_ = elements_.step(nodes_, 0, threads_);  // no time, no strain: forces of the stresses
+    pressure_forces(0);
+    model_.far_field.release(nodes_, model_.gravity);
+    std::fill(nodes_.f.begin(), nodes_.f.end(), NodeRow{});
+    find_frequency();  // of a mesh that is freer now
+    omega_start_ = tightening_ * omega_bound();
 }
 
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
+    if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
+    model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
     kick_ = fem::kick(nodes_, step, threads_);
+    model_.far_field.after_kick(nodes_, step, kick_);
     for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
@@ -151,6 +174,8 @@ void Structure::kick(double dt) {
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
+    if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
+    model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
@@ -170,7 +195,9 @@ void Structure::count_from_here() {
     nodes_.x0 = nodes_.x;
     kick_ = {};
     strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
+    plastic_work_ = 0;
     contact_.work = 0;
+    if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
     for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
@@ -188,7 +215,8 @@ Residual Structure::residual() const {
         for (int d = 0; d < 3; ++d) {
             if (nodes_.inverse_mass[n].c[d] == 0) continue;
             is_free = true;
-            const double f = std::abs(nodes_.f[n].c[d] + nodes_.mass[n] * model_.gravity[d]);
+            const double weight = nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
+            const double f = std::abs(nodes_.f[n].c[d] + weight);
             if (f > r.node) {
                 r.node = f;
                 r.at = std::int32_t(n);
@@ -196,7 +224,7 @@ Residual Structure::residual() const {
         }
         if (!is_free) continue;
         ++free_nodes;
-        r.reference += nodes_.mass[n] * g;
+        r.reference += nodes_.mass[n] * std::abs(nodes_.weight_share[n]) * g;
     }
     if (free_nodes > 0) r.reference /= double(free_nodes);
     for (const RigidBody& body : bodies_) {
@@ -211,6 +239,7 @@ Residual Structure::residual() const {
 
 void Structure::finish() {
     contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    if (model_.water) model_.water->load.add_to(nodes_.f);
     kick(dt_);
 }
 
@@ -258,15 +287,19 @@ void Structure::check_health(std::int64_t n, double t) const {
 Energies Structure::energies() const {
     Energies e;
     e.kinetic = kick_.kinetic;
-    e.internal = strain_work_;
+    e.internal = strain_work_ - plastic_work_;
+    e.plastic = plastic_work_;
     e.hourglass = hourglass_work_;
     e.bulk_viscosity = viscous_work_;
     e.damping = damping_work_;
+    e.far_field = model_.far_field.dissipated();
+    e.external = model_.far_field.reaction_work();
+    if (model_.water) e.external += model_.water->load.work;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {  // weight: a potential, so its work is exact
         if (!is_rigid_.empty() && is_rigid_[n]) continue;
         for (int d = 0; d < 3; ++d)
-            e.external +=
-                nodes_.mass[n] * model_.gravity[d] * (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
+            e.external += nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d] *
+                          (nodes_.x[n].c[d] - nodes_.x0[n].c[d]);
     }
     for (const RigidBody& body : bodies_) e.external += body.weight_work(model_.gravity);
     for (const ContactPair& pair : pairs_) {
@@ -283,7 +316,8 @@ Vec3 Structure::velocity(std::int32_t node) const {
     Vec3 v;
     for (int d = 0; d < 3; ++d) {
         const double im = nodes_.inverse_mass[node].c[d];
-        const double a = im == 0 ? 0 : nodes_.f[node].c[d] * im + model_.gravity[d];
+        const double a =
+            im == 0 ? 0 : nodes_.f[node].c[d] * im + nodes_.weight_share[node] * model_.gravity[d];
         const double v_half = nodes_.v[node].c[d];
         // v^n = v^{n+1/2} - a' span/2, a' = a - alpha v^n
         v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
@@ -301,7 +335,9 @@ Vec3 Structure::reaction(const Support& support) const {
     Vec3 r{};
     for (std::int32_t n : support.nodes)
         for (int d = 0; d < 3; ++d)
-            if (support.fixed[d]) r[d] -= nodes_.f[n].c[d] + nodes_.mass[n] * model_.gravity[d];
+            if (support.fixed[d])
+                r[d] -=
+                    nodes_.f[n].c[d] + nodes_.mass[n] * nodes_.weight_share[n] * model_.gravity[d];
     return r;
 }
 

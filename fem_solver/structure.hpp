@@ -20,19 +20,21 @@ namespace undertow::fem {
 /// dissipated are the others.
 struct Energies {
     double kinetic = 0;         // 1/2 m v^{n-1/2} . v^{n+1/2}
-    double internal = 0;        // work of the stresses
+    double internal = 0;        // work of the stresses, without
+    double plastic = 0;         // dissipated by plastic flow
     double hourglass = 0;       // work of the hourglass stresses
     double bulk_viscosity = 0;  // dissipated
     double damping = 0;         // dissipated by Rayleigh damping
-    double external = 0;        // done by weight and pressure
+    double far_field = 0;       // dissipated by the absorbing boundary
+    double external = 0;        // done by weight, pressure, static water, the far field's reaction
     double contact = 0;         // done by the contact forces of the coupler
     double pair_springs = 0;    // stored in contact inside the mesh
     double pair_friction = 0;   // dissipated there by slip
     double pair_damping = 0;    // and along the normals
     /// What does not add up.
     double balance_error() const {
-        return kinetic + internal + hourglass + bulk_viscosity + damping + pair_springs +
-               pair_friction + pair_damping - external - contact;
+        return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field +
+               pair_springs + pair_friction + pair_damping - external - contact;
     }
 };
 
@@ -57,10 +59,16 @@ class Structure {
     // One step, in this order:
     void internal_forces();  // stress, forces and contact inside the mesh in the shape x^n
     void pressure_forces(double t);
-    void contact_forces(std::span<const double> f);  // [N] (n_surface_nodes, 3)
-    void kick(double dt);                            // v^{n-1/2} -> v^{n+1/2}
-    void drift(double dt);                           // x^n -> x^{n+1}
-    void hold();  // instead of kick and drift: all stays at rest where it is
+    /// [N] (n_surface_nodes, 3), less the static water; nothing when alone (empty).
+    void contact_forces(std::span<const double> f);
+    void kick(double dt);   // v^{n-1/2} -> v^{n+1/2}
+    void drift(double dt);  // x^n -> x^{n+1}
+    void hold();            // instead of kick and drift: all stays at rest where it is
+
+    /// Lets the far field go, which is held until then: what holds it now stays as a constant
+    /// force, and dashpots take over. Before the first step, at rest: stresses must belong to the
+    /// present shape, pressures are taken as at t = 0. A second call does nothing.
+    void release_far_field();
 
     /// For finding equilibrium. stop(): ends all motion at n, between internal_forces and kick;
     /// the next kick starts from rest. count_from_here(): displacements, energies and the motion
@@ -96,6 +104,7 @@ class Structure {
     Nodes& nodes() { return nodes_; }
     const Hexahedra& elements() const { return elements_; }
     const ElementsReport& report() const { return report_; }
+    std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
     const std::vector<RigidBody>& bodies() const { return bodies_; }
     const std::vector<ContactPair>& pairs() const { return pairs_; }
     double kinetic_energy() const { return kick_.kinetic; }  // [J] of the last kick
@@ -123,6 +132,7 @@ class Structure {
     ElementsReport report_;
     KickReport kick_;
     double strain_work_ = 0, hourglass_work_ = 0, viscous_work_ = 0;  // [J] up to n
+    double plastic_work_ = 0;                                         // [J] part of strain_work_
     double damping_work_ = 0, damping_ahead_ = 0;  // [J] up to n, and of the half step after it
 
     double tightening_ = 1;  // largest frequency of the mesh over the elements' bound, <= 1

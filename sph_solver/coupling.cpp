@@ -115,7 +115,9 @@ class CoupledLink : public Link {
         const Particles& p = fluid.particles;
         const double radius = 0.5 * fluid.spacing();
         // rho c0^2 dx in 3D, rho c0^2 b in 2D: the force per penetration of a cell compressed by it
-        const double stiffness = fluid.fluid().mass * std::pow(fluid.fluid().c0 / fluid.spacing(), 2);
+        std::vector<double> stiffness;   // [N/m] of each fluid
+        for (const FluidLaw& f : fluid.fluids())
+            stiffness.push_back(f.mass * std::pow(f.c0 / fluid.spacing(), 2));
         candidates_.clear();
         for (std::size_t i = 0; i < p.size(); ++i) {
             const double y = p.y[i] + middle_;
@@ -128,9 +130,9 @@ class CoupledLink : public Link {
             probe.id.push_back(static_cast<std::uint64_t>(p.id[i]));
             put(probe.x, p.x[i], y, p.z[i]);
             put(probe.v, p.vx[i], p.vy[i], p.vz[i]);
-            probe.mass.push_back(fluid.fluid().mass);
+            probe.mass.push_back(fluid.fluid_of(i).mass);
             probe.radius.push_back(radius);
-            probe.stiffness.push_back(stiffness);
+            probe.stiffness.push_back(stiffness[p.fluid[i]]);
             probe.phase.push_back(p.fluid[i]);
         }
         travelled_at_probe_ = fluid.travelled();
@@ -174,11 +176,11 @@ class CoupledLink : public Link {
     }
 
     void take_forces(const std::vector<double>& f, FluidSystem& fluid) {
-        const double per_mass = 1 / fluid.fluid().mass;
         Particles& p = fluid.particles;
         for (std::size_t a = 0; a < active_.size(); ++a) {
             const int i = fluid.index_of(active_[a]);
             if (i < 0) continue;
+            const double per_mass = 1 / fluid.fluid_of(i).mass;
             p.fx[i] = f[3 * a] * per_mass;
             p.fy[i] = flat_ ? 0 : f[3 * a + 1] * per_mass;
             p.fz[i] = f[3 * a + 2] * per_mass;

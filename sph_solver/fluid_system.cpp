@@ -23,7 +23,7 @@ PairPhysics resolve_physics(const Case& input) {
     p.artificial_viscosity = input.sph.artificial_viscosity;
     p.density_diffusion = input.sph.density_diffusion;
     p.gravity = input.info.gravity;
-    p.fluid = resolve_fluid(input);
+    p.fluids = resolve_fluids(input);
     return p;
 }
 
@@ -36,19 +36,32 @@ double kernel_value(const PairPhysics& p, double r) {
 
 FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     : physics_(resolve_physics(input)),
+      tag_(physics_.mixed()),
+      heated_(std::any_of(physics_.fluids.begin(), physics_.fluids.end(),
+                          [](const FluidLaw& f) { return f.us_up.gamma0 != 0; })),
+      filled_(physics_.fluids.size(), 0),
       spacing_(input.sph.spacing),
       mirror_(input.sph.plane),
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain) {
-    particles = fill_particles(input, physics_.fluid);
+    Filled filled = fill_particles(input, physics_.fluids);
+    particles = std::move(filled.particles);
+    start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
     plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
     index_.resize(particles.size());
+    if (physics_.viscoplastic()) {
+        particles.viscosity.resize(1);   // in use from now on
+        particles.resize(particles.size());
+    }
     for (std::size_t i = 0; i < particles.size(); ++i) {
         index_[i] = static_cast<int>(i);
         fastest_ = std::max(fastest_,
                             std::hypot(particles.vx[i], particles.vy[i], particles.vz[i]));
-        particles.p[i] = physics_.fluid.pressure(particles.drho[i], particles.energy[i]);
+        particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);
+        ++filled_[particles.fluid[i]];
+        if (!particles.viscosity.empty())
+            particles.viscosity[i] = static_cast<float>(fluid_of(i).viscosity_at_rest());
         for (int k = 0; k < mirror_.size(); ++k)
             if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < 0)
                 throw InputError(fmt::format(
@@ -63,6 +76,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     keep_inside();
     plates.move_to(t);
     neighbors_.rebuild(particles, plates, mirror_);
+    if (physics_.mixed()) neighbors_.find_fluids(particles);
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
     const FixedPoint& fixed = neighbors_.fixed();
@@ -90,36 +104,54 @@ void FluidSystem::pack(double t) {
 
 /// To be called by all threads of a parallel region: each packs its share.
 void FluidSystem::pack_fluid() {
-    const FixedPoint fixed = neighbors_.fixed();
-    const FluidLaw& fluid = physics_.fluid;
-    const double mass = fluid.rho0 * fluid.volume;
     Packed* records = neighbors_.records().data();
-    const int n = static_cast<int>(particles.size());
-#pragma omp for schedule(static)
-    for (int i = 0; i < n; ++i) {
-        particles.p[i] = fluid.pressure(particles.drho[i], particles.energy[i]);
+    Particles& s = particles;
+    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_](
+                              int i, const FluidLaw& fluid, double mass) {
+        s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
         Packed& q = records[i];
-        q.x = fixed(particles.x[i], fixed.x0);
-        q.y = fixed(particles.y[i], fixed.y0);
-        q.z = fixed(particles.z[i], fixed.z0);
-        q.volume = static_cast<float>(mass / (fluid.rho0 + particles.drho[i]));
-        q.vx = static_cast<float>(particles.vx[i]);
-        q.vy = static_cast<float>(particles.vy[i]);
-        q.vz = static_cast<float>(particles.vz[i]);
-        q.p = static_cast<float>(particles.p[i]);
+        q.x = fixed(s.x[i], fixed.x0);
+        q.y = fixed(s.y[i], fixed.y0);
+        q.z = fixed(s.z[i], fixed.z0);
+        q.volume = tag(mass / (fluid.rho0 + s.drho[i]), s.fluid[i]);
+        q.vx = static_cast<float>(s.vx[i]);
+        q.vy = static_cast<float>(s.vy[i]);
+        q.vz = static_cast<float>(s.vz[i]);
+        q.p = static_cast<float>(s.p[i]);
+    };
+    const int n = static_cast<int>(s.size());
+    if (physics_.fluids.size() == 1) {
+        const FluidLaw fluid = physics_.fluids[0];
+        const double mass = fluid.rho0 * fluid.volume;
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i) pack_one(i, fluid, mass);
+    } else {
+        const FluidLaw* fluids = physics_.fluids.data();
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i) {
+            const FluidLaw& fluid = fluids[s.fluid[i]];
+            pack_one(i, fluid, fluid.rho0 * fluid.volume);
+        }
     }
+    if (s.viscosity.empty()) return;
+#pragma omp for schedule(static)
+    for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = s.viscosity[i];
 }
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
 /// p' = p + rho0 g . (x' - x), so that the wall carries the weight above it without an inflow.
 void FluidSystem::pack_extras(bool of_plates) {
     const FixedPoint fixed = neighbors_.fixed();
-    const FluidLaw& fluid = physics_.fluid;
-    const double mass = fluid.rho0 * fluid.volume;
-    const double gx = fluid.rho0 * physics_.gravity[0], gy = fluid.rho0 * physics_.gravity[1],
-                 gz = fluid.rho0 * physics_.gravity[2];
+    const FluidTag tag = tag_;
+    const Vec3& g = physics_.gravity;
+    float slope[FluidTag::most][3];   // of the hydrostatic pressure [Pa/unit]
+    for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
+        for (int a = 0; a < 3; ++a)
+            slope[f][a] = static_cast<float>(physics_.fluids[f].rho0 * g[a] * fixed.unit);
+    const bool viscous = !particles.viscosity.empty(), single = physics_.fluids.size() == 1;
     const Packed* fluid_records = neighbors_.records().data();
     Packed* records = neighbors_.records().data() + neighbors_.first_extra();
+    float* viscosity = neighbors_.viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
     const std::vector<Extra>& extras = neighbors_.extras();
     const int n = static_cast<int>(extras.size());
 #pragma omp for schedule(static)
@@ -127,6 +159,8 @@ void FluidSystem::pack_extras(bool of_plates) {
         const int s = extras[e].source;
         const bool plate = extras[e].from_plate;
         if (plate != of_plates) continue;
+        const std::uint8_t own = single ? 0 : plate ? plates.fluid[s] : particles.fluid[s];
+        if (viscous) viscosity[e] = plate ? plates.viscosity[s] : particles.viscosity[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
         if (!plate && mirror.diagonal) {   // the usual tank: from record to record
             const Packed from = fluid_records[s];
@@ -138,9 +172,9 @@ void FluidSystem::pack_extras(bool of_plates) {
             q.vx = static_cast<float>(mirror.sign[0]) * from.vx;
             q.vy = static_cast<float>(mirror.sign[1]) * from.vy;
             q.vz = static_cast<float>(mirror.sign[2]) * from.vz;
-            q.p = from.p + static_cast<float>(gx * fixed.unit) * static_cast<float>(q.x - from.x) +
-                  static_cast<float>(gy * fixed.unit) * static_cast<float>(q.y - from.y) +
-                  static_cast<float>(gz * fixed.unit) * static_cast<float>(q.z - from.z);
+            q.p = from.p + slope[own][0] * static_cast<float>(q.x - from.x) +
+                  slope[own][1] * static_cast<float>(q.y - from.y) +
+                  slope[own][2] * static_cast<float>(q.z - from.z);
             continue;
         }
         const double x = plate ? plates.x[s] : particles.x[s];
@@ -151,6 +185,8 @@ void FluidSystem::pack_extras(bool of_plates) {
         const double vz = plate ? plates.vz[s] : particles.vz[s];
         const double p = plate ? plates.p[s] : particles.p[s];
         const double drho = plate ? 0 : particles.drho[s];
+        const FluidLaw& fluid = physics_.fluids[own];
+        const double gx = fluid.rho0 * g[0], gy = fluid.rho0 * g[1], gz = fluid.rho0 * g[2];
         const Reflection& r = mirror_.reflection(extras[e].mask);
         const double ix = r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0];
         const double iy = r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1];
@@ -159,7 +195,7 @@ void FluidSystem::pack_extras(bool of_plates) {
         q.x = fixed(ix, fixed.x0);
         q.y = fixed(iy, fixed.y0);
         q.z = fixed(iz, fixed.z0);
-        q.volume = static_cast<float>(mass / (fluid.rho0 + drho));
+        q.volume = tag(fluid.rho0 * fluid.volume / (fluid.rho0 + drho), own);
         q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
         q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
         q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
@@ -170,6 +206,7 @@ void FluidSystem::pack_extras(bool of_plates) {
 /// p_w = sum_f [p_f + rho0 (g - a_w).(x_w - x_f)] W / sum_f W, and the mean fluid velocity likewise.
 /// A free-slip plate takes the fluid's velocity along its faces and its own across them; a no-slip
 /// plate shows 2 v_w - <v_f>.  [Adami, Hu & Adams 2012, Eqs. 23, 27]
+/// A dummy passes for the fluid with the largest share in sum_f W, and shows the mean viscosity.
 void FluidSystem::extrapolate_to_plates(double t) {
     const std::vector<int>& targets = neighbors_.plate_targets();
     const ClusterLists& lists = neighbors_.plate_lists();
@@ -179,6 +216,7 @@ void FluidSystem::extrapolate_to_plates(double t) {
     const int fluid_count = neighbors_.fluid_count();
     const double r_max2 = 4 * physics_.h * physics_.h;
     const Vec3& g = physics_.gravity;
+    const bool viscous = !particles.viscosity.empty(), mixed = physics_.mixed();
     const int n = static_cast<int>(targets.size());
 #pragma omp parallel for schedule(dynamic, 64)
     for (int k = 0; k < n; ++k) {
@@ -187,6 +225,7 @@ void FluidSystem::extrapolate_to_plates(double t) {
                      py = (plates.y[d] - fixed.y0) / fixed.unit,
                      pz = (plates.z[d] - fixed.z0) / fixed.unit;
         double weight = 0, pressure = 0, u[3] = {0, 0, 0};
+        double viscosity = 0, share[FluidTag::most] = {};
         for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
             if (*at >= fluid_count && extras[*at - fluid_count].from_plate) continue;
             const Packed& q = records[*at];
@@ -196,7 +235,11 @@ void FluidSystem::extrapolate_to_plates(double t) {
             if (r2 >= r_max2) continue;
             const double w = kernel_value(physics_, std::sqrt(r2));
             weight += w;
-            pressure += w * (q.p + physics_.fluid.rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
+            const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
+            share[own] += w;
+            if (viscous) viscosity += w * neighbors_.viscosity()[*at];
+            pressure +=
+                w * (q.p + physics_.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
             u[0] += w * q.vx, u[1] += w * q.vy, u[2] += w * q.vz;
         }
         const int wall = plates.plate[d];
@@ -211,6 +254,9 @@ void FluidSystem::extrapolate_to_plates(double t) {
                 *out[a] = a == normal ? v[a] : mean;
         }
         plates.p[d] = weight > 0 ? std::max(0.0, pressure / weight) : 0;
+        plates.viscosity[d] = static_cast<float>(weight > 0 ? viscosity / weight : 0);
+        plates.fluid[d] = static_cast<std::uint8_t>(
+            std::max_element(share, share + FluidTag::most) - share);
     }
 }
 
@@ -227,8 +273,8 @@ void FluidSystem::find_rubbing() {
 
 /// dv/dt = -tau w(z) / (rho dx) along the slip velocity. The weight w = 1 - |z - dx/2|/dx shares the
 /// stress out among the layers of a lattice at any distance from the wall; its sum is one.
+/// A viscoplastic fluid has the viscosity of the shear rate u/z between itself and the wall.
 void FluidSystem::add_wall_friction() {
-    const LawOfTheWall law{physics_.fluid.rho0, physics_.fluid.mu};
     for (const Rubbing& r : rubbing_) {
         const int i = r.particle;
         const Vec3& n = mirror_.plane(r.plane).normal;
@@ -241,8 +287,11 @@ void FluidSystem::add_wall_friction() {
                      uz = particles.vz[i] - vn * n[2];
         const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
         if (!(u > 0)) continue;
-        const double deceleration =
-            weight * law(u, std::max(z, 0.1 * spacing_)) / (law.rho * spacing_) / u;
+        const FluidLaw& fluid = fluid_of(i);
+        const double height = std::max(z, 0.1 * spacing_);
+        const LawOfTheWall law{fluid.rho0,
+                               fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
+        const double deceleration = weight * law(u, height) / (law.rho * spacing_) / u;
         particles.ax[i] -= static_cast<float>(deceleration * ux);
         particles.ay[i] -= static_cast<float>(deceleration * uy);
         particles.az[i] -= static_cast<float>(deceleration * uz);
@@ -261,19 +310,24 @@ void FluidSystem::sum_over_neighbors(Terms terms) {
 }
 
 void FluidSystem::advance_density(double dt) {
-    const bool heated = physics_.fluid.us_up.gamma0 != 0;
+    const bool heated = heated_;
     const int n = static_cast<int>(particles.size());
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
         const double drho = dt * particles.drho_dt[i];
         if (heated) {
-            const double rho = physics_.fluid.rho0 + particles.drho[i];
+            const double rho = fluid_of(i).rho0 + particles.drho[i];
             particles.energy[i] += particles.p[i] / (rho * rho) * drho;
         }
         particles.drho[i] += drho;
         // a switch to one pass would start from this rate
         particles.rate_before[i] = particles.drho_dt[i];
     }
+}
+
+void FluidSystem::constrain_start(double t, double dt, double dt_before) {
+    if (start_->active(t))
+        start_->constrain(t, dt, 0.5 * (dt + dt_before), physics_.gravity, particles);
 }
 
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
@@ -283,8 +337,12 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     const double w = dt_before + dt_before_that > 0 && dt_before > 0
                          ? (dt + dt_before) / (dt_before + dt_before_that) : 0;
     const Vec3 g = physics_.gravity;
-    const FluidLaw& fluid = physics_.fluid;
-    const bool heated = fluid.us_up.gamma0 != 0;
+    const bool heated = heated_;
+    // densities compared with that of the first fluid, so that one of them is divided by once
+    const double rho0 = physics_.fluids[0].rho0;
+    double relative[FluidTag::most];
+    for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
+        relative[f] = rho0 / physics_.fluids[f].rho0;
     const int n = static_cast<int>(particles.size());
     Particles& s = particles;
     double speed2 = 0, a2 = 0, compression = 0;
@@ -303,7 +361,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
             const double rate = s.drho_dt[i];
             const double drho = dt * (rate + w * (rate - s.rate_before[i]));
             if (heated) {
-                const double rho = fluid.rho0 + s.drho[i];
+                const double rho = fluid_of(i).rho0 + s.drho[i];
                 s.energy[i] += s.p[i] / (rho * rho) * drho;   // dE = p d(rho)/rho^2, adiabatic
             }
             s.drho[i] += drho;
@@ -312,7 +370,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         const double v2 = s.vx[i] * s.vx[i] + s.vy[i] * s.vy[i] + s.vz[i] * s.vz[i];
         speed2 = std::max(speed2, v2);
         a2 = std::max(a2, ax * ax + ay * ay + az * az);
-        compression = std::max(compression, std::abs(s.drho[i]));
+        compression = std::max(compression, std::abs(s.drho[i]) * relative[s.fluid[i]]);
         // one comparison catches NaN and infinity in velocity and density at once
         if (!(v2 + std::abs(s.drho[i]) < 1e300)) worst = std::max(worst, i);
     }
@@ -323,7 +381,34 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         const Vec3& v = plate.velocity;
         reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);
     }
-    return {fastest_, std::sqrt(a2), compression / fluid.rho0, worst < 0, worst};
+    return {fastest_, std::sqrt(a2), compression / rho0, viscous_limit(), worst < 0, worst};
+}
+
+Health FluidSystem::health() const {
+    Health health;
+    health.max_speed = fastest_;
+    health.max_kinematic_viscosity = viscous_limit();
+    return health;
+}
+
+double FluidSystem::viscous_limit() const {
+    double nu = 0;
+    for (const FluidLaw& f : physics_.fluids) nu = std::max(nu, f.mu / f.rho0);
+    if (particles.viscosity.empty()) return nu;
+    double per_density[FluidTag::most];
+    for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
+        per_density[f] = 1 / physics_.fluids[f].rho0;
+    const int n = static_cast<int>(particles.size());
+#pragma omp parallel for schedule(static) reduction(max : nu)
+    for (int i = 0; i < n; ++i)
+        nu = std::max(nu, particles.viscosity[i] * per_density[particles.fluid[i]]);
+    return nu;
+}
+
+double FluidSystem::largest_sound_speed() const {
+    double c0 = 0;
+    for (const FluidLaw& f : physics_.fluids) c0 = std::max(c0, f.c0);
+    return c0;
 }
 
 void FluidSystem::keep_inside() {
@@ -338,7 +423,8 @@ void FluidSystem::keep_inside() {
         for (int a = 0; a < 3; ++a)
             inside = inside && at[a] >= domain_->min[a] && at[a] <= domain_->max[a];
         if (!inside) {
-            removed_.push_back({s.id[i], {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}});
+            removed_.push_back({s.id[i], s.fluid[i], fluid_of(i).mass / (fluid_of(i).rho0 + s.drho[i]),
+                                {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}});
             index_[s.id[i]] = -1;
             continue;
         }
@@ -348,6 +434,7 @@ void FluidSystem::keep_inside() {
                 (*a)[kept] = (*a)[i];
             s.id[kept] = s.id[i];
             s.fluid[kept] = s.fluid[i];
+            if (!s.viscosity.empty()) s.viscosity[kept] = s.viscosity[i];
         }
         ++kept;
     }

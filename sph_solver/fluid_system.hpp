@@ -12,6 +12,7 @@
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/setup/start.hpp"
 
 namespace undertow::sph {
 
@@ -20,12 +21,15 @@ struct Health {
     double max_speed = 0;          // [m/s]
     double max_acceleration = 0;   // [m/s2]
     double max_compression = 0;    // largest |rho/rho0 - 1|
+    double max_kinematic_viscosity = 0;   // largest mu/rho0 of the coming step [m2/s]
     bool finite = true;
     int worst = -1;                // particle (sorted index) that is not finite
 };
 
 struct Removed {
     std::int64_t id;
+    int fluid;
+    double volume;                 // m/rho, true volume also in 2D [m3]
     Vec3 x, v;                     // [m], [m/s]
 };
 
@@ -47,6 +51,8 @@ class FluidSystem {
     void add_wall_friction();
     /// rho += dt * D (two-pass: D just summed).
     void advance_density(double dt);
+    /// Damps what settles and drives what is held, see Start; without effect once all are let go.
+    void constrain_start(double t, double dt, double dt_before);
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
@@ -67,7 +73,13 @@ class FluidSystem {
     double spacing() const { return spacing_; }   // [m]
     double support() const { return neighbors_.support(); }
     const PairPhysics& physics() const { return physics_; }
-    const FluidLaw& fluid() const { return physics_.fluid; }
+    const std::vector<FluidLaw>& fluids() const { return physics_.fluids; }
+    const FluidLaw& fluid(int k = 0) const { return physics_.fluids[k]; }
+    const FluidLaw& fluid_of(std::size_t i) const { return physics_.fluids[particles.fluid[i]]; }
+    double largest_sound_speed() const;           // of the fluids [m/s]
+    /// The state before the first step.
+    Health health() const;
+    const std::vector<std::int64_t>& filled() const { return filled_; }   // particles at the start, [fluids]
     const Neighborhood& neighbors() const { return neighbors_; }
     const MirrorPlanes& mirror() const { return mirror_; }
     const std::vector<Removed>& removed() const { return removed_; }
@@ -75,6 +87,7 @@ class FluidSystem {
     std::int64_t put_back() const { return put_back_; }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
+    const Start& start() const { return *start_; }
     Vec3 gravity() const { return physics_.gravity; }
 
     Particles particles;
@@ -85,8 +98,12 @@ class FluidSystem {
     void pack_extras(bool of_plates);
     void extrapolate_to_plates(double t);
     void find_rubbing();
+    double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
+    FluidTag tag_;
+    bool heated_;                   // some fluid has Gamma0 != 0
+    std::vector<std::int64_t> filled_;
     double spacing_;
     MirrorPlanes mirror_;
     std::vector<FixedReflection> fixed_reflections_;   // [2^planes]
@@ -94,6 +111,7 @@ class FluidSystem {
     SurfaceImages surface_;
     bool with_surface_images_;
     std::optional<Box> domain_;
+    std::optional<Start> start_;
     struct Rubbing {
         int particle, plane;
     };

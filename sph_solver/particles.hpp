@@ -1,6 +1,7 @@
 #pragma once
 // The state of the fluid: a structure of arrays, sorted along columns at each list rebuild.
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -18,10 +19,14 @@ struct Particles {
     std::vector<double> fx, fy, fz;    // contact acceleration of this step [m/s2], [n]
     std::vector<std::int64_t> id;      // identity, constant during the run, [n]
     std::vector<std::uint8_t> fluid;   // index of the fluid, [n]
+    std::vector<float> viscosity;      // [Pa s] from the shear rate of the step before; padded to
+                                       // full clusters, or empty where no fluid is viscoplastic
 
     // results of the pair sums; float, padded to full clusters of eight
     std::vector<float> ax, ay, az;     // acceleration without gravity and contact [m/s2]
     std::vector<float> drho_dt;        // continuity + density diffusion [kg/m3/s]
+    std::vector<float> shear_rate;     // sqrt(2 D:D) [1/s]; as viscosity, and only where a particle
+                                       // of a viscoplastic fluid is near
 
     std::size_t size() const { return x.size(); }
 
@@ -32,15 +37,37 @@ struct Particles {
         id.resize(n);
         fluid.resize(n, 0);
         for (auto* a : {&ax, &ay, &az, &drho_dt}) a->resize((n + 7) / 8 * 8, 0.0f);
+        if (!viscosity.empty())
+            for (auto* a : {&viscosity, &shear_rate}) a->resize((n + 7) / 8 * 8, 0.0f);
     }
 };
 
 /// What a neighbor shows of itself in the pair loop: 32 bytes, one broadcast load per member.
 struct alignas(32) Packed {
     std::int32_t x, y, z;   // fixed-point position [FixedPoint::unit]
-    float volume;           // m/rho [m^d]
+    float volume;           // m/rho [m^d]; its last bits are a FluidTag
     float vx, vy, vz;       // [m/s]
     float p;                // [Pa]
+};
+
+/// The index of the fluid in the last bits of a record's volume: 4e-7 of it, and the pair loop needs
+/// no member more. One Newtonian fluid alone has no tag and keeps its volume to the last bit.
+class FluidTag {
+ public:
+    static constexpr std::uint32_t mask = 7;
+    static constexpr std::size_t most = mask + 1;   // fluids
+
+    /// mixed: the fluids must be told apart, see PairPhysics::mixed.
+    explicit FluidTag(bool mixed) : keep_(mixed ? ~mask : ~0u) {}
+
+    float operator()(double volume, std::uint8_t fluid) const {
+        const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(volume));
+        return std::bit_cast<float>((bits & keep_) | fluid);
+    }
+    static std::uint32_t of(const Packed& q) { return std::bit_cast<std::uint32_t>(q.volume) & mask; }
+
+ private:
+    std::uint32_t keep_;
 };
 
 /// Positions as integers around the middle of the scene: differences are exact, and a particle that

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "results/log.hpp"
-#include "results/summary.hpp"
 #include "sph_solver/gauges.hpp"
 
 namespace undertow::sph {
@@ -18,6 +17,12 @@ std::vector<std::string> with_time(std::vector<std::string> columns) {
     return columns;
 }
 
+std::vector<std::string> names_of(const std::vector<Fluid>& fluids) {
+    std::vector<std::string> names;
+    for (const Fluid& fluid : fluids) names.push_back(fluid.name);
+    return names;
+}
+
 }  // namespace
 
 Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
@@ -27,6 +32,7 @@ Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
       row_times_(input.output.history_every, input.time.end),
       gauges_(input.sph.gauge),
       fields_(folder + "/sph"),
+      names_(names_of(input.sph.fluid)),
       energy_file_(folder + "/energy.sph.csv",
                    {"energies of the fluid", "elastic: sum V p^2/(2 rho0 c0^2); potential: 0 at t = 0"},
                    with_time({"kinetic [J]", "potential [J]", "elastic [J]"})) {
@@ -40,16 +46,17 @@ Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
     if (alone && fluid.mirror().size() > 0) {
         std::vector<std::string> columns;
         for (int k = 0; k < fluid.mirror().size(); ++k)
-            for (const char* part : {"fx [N]", "fy [N]", "fz [N]", "impulse [N s]"})
-                columns.push_back(fmt::format("{}.{}.{}", fluid.mirror().plane(k).name,
-                                              input.sph.fluid[0].name, part));
+            for (const std::string& name : names_)
+                for (const char* part : {"fx [N]", "fy [N]", "fz [N]", "impulse [N s]"})
+                    columns.push_back(
+                        fmt::format("{}.{}.{}", fluid.mirror().plane(k).name, name, part));
         force_file_ = std::make_unique<History>(
             folder + "/forces.csv",
             std::vector<std::string>{"normal force of the fluid on each rigid plane, unfiltered",
                                      "impulse: integral of its magnitude, trapezoidal over the rows"},
             with_time(columns));
-        impulse_.assign(fluid.mirror().size(), 0);
-        last_force_.assign(fluid.mirror().size(), 0);
+        impulse_.assign(fluid.mirror().size() * names_.size(), 0);
+        last_force_.assign(impulse_.size(), 0);
     }
 }
 
@@ -76,11 +83,18 @@ void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
     const std::vector<double> force = plane_forces(fluid.physics(), fluid.neighbors(), fluid.mirror());
     std::vector<double> row{t};
     wall_force_ = 0;
-    for (std::size_t k = 0; k < force.size(); ++k) {
-        if (last_force_t_ >= 0) impulse_[k] += 0.5 * (force[k] + last_force_[k]) * (t - last_force_t_);
-        for (int a = 0; a < 3; ++a) row.push_back(-force[k] * fluid.mirror().plane(k).normal[a]);
-        row.push_back(impulse_[k]);
-        wall_force_ = std::max(wall_force_, std::abs(force[k]));
+    const std::size_t fluids = names_.size();
+    for (int plane = 0; plane < fluid.mirror().size(); ++plane) {
+        double total = 0;
+        for (std::size_t k = plane * fluids; k < (plane + 1) * fluids; ++k) {
+            if (last_force_t_ >= 0)
+                impulse_[k] += 0.5 * (force[k] + last_force_[k]) * (t - last_force_t_);
+            for (int a = 0; a < 3; ++a)
+                row.push_back(-force[k] * fluid.mirror().plane(plane).normal[a]);
+            row.push_back(impulse_[k]);
+            total += force[k];
+        }
+        wall_force_ = std::max(wall_force_, std::abs(total));
     }
     last_force_ = force;
     last_force_t_ = t;
@@ -89,17 +103,25 @@ void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
 
 void Recorder::write_energies(double t, const FluidSystem& fluid) {
     const Particles& p = fluid.particles;
-    const FluidLaw& law = fluid.fluid();
     const Vec3 g = fluid.gravity();
-    const double true_volume = law.mass / law.rho0;   // with the thickness in 2D [m3]
-    double kinetic = 0, potential = 0, elastic = 0;
+    struct Sums {
+        double kinetic = 0, potential = 0, elastic = 0;
+    };
+    Sums of[FluidTag::most];
     for (std::size_t i = 0; i < p.size(); ++i) {
-        kinetic += p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
-        potential -= g[0] * p.x[i] + g[1] * p.y[i] + g[2] * p.z[i];
-        elastic += p.p[i] * p.p[i];
+        Sums& sum = of[p.fluid[i]];
+        sum.kinetic += p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
+        sum.potential -= g[0] * p.x[i] + g[1] * p.y[i] + g[2] * p.z[i];
+        sum.elastic += p.p[i] * p.p[i];
     }
-    const double row[] = {t, 0.5 * law.mass * kinetic, law.mass * potential,
-                          elastic * true_volume / (2 * law.rho0 * law.c0 * law.c0)};
+    double row[4] = {t, 0, 0, 0};
+    for (std::size_t k = 0; k < fluid.fluids().size(); ++k) {
+        const FluidLaw& law = fluid.fluid(static_cast<int>(k));
+        const double true_volume = law.mass / law.rho0;   // with the thickness in 2D [m3]
+        row[1] += 0.5 * law.mass * of[k].kinetic;
+        row[2] += law.mass * of[k].potential;
+        row[3] += of[k].elastic * true_volume / (2 * law.rho0 * law.c0 * law.c0);
+    }
     energy_file_.row(row);
 }
 
@@ -110,10 +132,24 @@ void Recorder::write_fields(double t, const FluidSystem& fluid) {
     for (std::size_t i = 0; i < n; ++i) {
         x[3 * i] = p.x[i], x[3 * i + 1] = p.y[i], x[3 * i + 2] = p.z[i];
         v[3 * i] = p.vx[i], v[3 * i + 1] = p.vy[i], v[3 * i + 2] = p.vz[i];
-        density[i] = fluid.fluid().rho0 + p.drho[i];
+        density[i] = fluid.fluid_of(i).rho0 + p.drho[i];
     }
-    fields_.append(t, x, p.id,
-                   {{"velocity", "m/s", 3, v}, {"pressure", "Pa", 1, p.p}, {"density", "kg/m3", 1, density}});
+    std::vector<Field> fields{
+        {"velocity", "m/s", 3, v}, {"pressure", "Pa", 1, p.p}, {"density", "kg/m3", 1, density}};
+    std::vector<double> index, viscosity, shear_rate;
+    if (fluid.fluids().size() > 1) {
+        index.assign(p.fluid.begin(), p.fluid.end());
+        fields.push_back({"fluid", "", 1, index});
+    }
+    if (!p.viscosity.empty()) {
+        viscosity.assign(p.viscosity.begin(), p.viscosity.begin() + std::ptrdiff_t(n));
+        shear_rate.resize(n);   // of a Newtonian fluid it is not known
+        for (std::size_t i = 0; i < n; ++i)
+            if (fluid.fluid_of(i).viscoplastic()) shear_rate[i] = p.shear_rate[i];
+        fields.push_back({"viscosity", "Pa s", 1, viscosity});
+        fields.push_back({"shear_rate", "1/s", 1, shear_rate});
+    }
+    fields_.append(t, x, p.id, fields);
 }
 
 void Recorder::flush() {
@@ -122,10 +158,42 @@ void Recorder::flush() {
     energy_file_.flush();
 }
 
+/// What there was at the start must be there at the end or have been removed, fluid by fluid.
+void Recorder::add_budget(const FluidSystem& fluid, Summary& s) const {
+    const std::size_t fluids = names_.size();
+    std::vector<std::int64_t> end(fluids, 0), removed(fluids, 0);
+    std::vector<double> removed_volume(fluids, 0);
+    for (const std::uint8_t k : fluid.particles.fluid) ++end[k];
+    for (const Removed& r : fluid.removed()) ++removed[r.fluid], removed_volume[r.fluid] += r.volume;
+    std::int64_t open = 0;
+    double mass_start = 0, mass_end = 0, mass_removed = 0;
+    for (std::size_t k = 0; k < fluids; ++k) {
+        const FluidLaw& law = fluid.fluid(static_cast<int>(k));
+        const std::string key = "sph.fluid." + names_[k] + ".";
+        s.set(key + "particles_start", fluid.filled()[k]);
+        s.set(key + "particles_end", end[k]);
+        s.set(key + "removed", removed[k]);
+        s.set(key + "removed_volume_m3", removed_volume[k]);
+        s.set(key + "particle_mass_kg", law.mass);
+        s.set(key + "mass_start_kg", law.mass * double(fluid.filled()[k]));
+        s.set(key + "sound_speed", law.c0);
+        if (law.viscoplastic()) s.set(key + "max_viscosity", law.rheology.max_viscosity);
+        open += std::abs(fluid.filled()[k] - end[k] - removed[k]);
+        mass_start += law.mass * double(fluid.filled()[k]);
+        mass_end += law.mass * double(end[k]);
+        mass_removed += law.mass * double(removed[k]);
+    }
+    s.set("sph.budget.mass_start_kg", mass_start);
+    s.set("sph.budget.mass_end_kg", mass_end);
+    s.set("sph.budget.mass_removed_kg", mass_removed);
+    s.set("sph.budget.unaccounted_particles", open);
+    s.set("sph.budget.closed", open == 0);
+}
+
 void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int threads,
                              const std::string& ended) {
     Summary s;
-    const FluidLaw& law = fluid.fluid();
+    const double c0 = fluid.largest_sound_speed();
     s.set("ended", ended);
     s.set("wall_s", f.wall);
     s.set("steps", f.steps);
@@ -142,10 +210,11 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.particle_steps_per_busy_s", computing > 0 ? f.particle_steps / computing : 0);
     s.set("sph.neighbors_mean", fluid.mean_neighbors());
     s.set("sph.list_rebuilds", fluid.rebuilds());
-    s.set("sph.sound_speed", law.c0);
+    s.set("sph.sound_speed", c0);
     s.set("sph.max_speed", f.max_speed);
-    s.set("sph.max_mach", f.max_speed / law.c0);
+    s.set("sph.max_mach", f.max_speed / c0);
     s.set("sph.max_density_deviation", f.max_compression);
+    add_budget(fluid, s);
     s.set("sph.wall_split_s.neighbors", f.neighbors);
     s.set("sph.wall_split_s.pack", f.pack);
     s.set("sph.wall_split_s.sums", f.sums);

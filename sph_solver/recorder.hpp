@@ -8,6 +8,7 @@
 #include "case/case.hpp"
 #include "results/field_file.hpp"
 #include "results/history.hpp"
+#include "results/summary.hpp"
 #include "sph_solver/fluid_system.hpp"
 
 namespace undertow::sph {
@@ -37,6 +38,7 @@ class Recorder {
     double wall_force() const { return wall_force_; }
 
  private:
+    void add_budget(const FluidSystem& fluid, Summary& summary) const;
     void write_energies(double t, const FluidSystem& fluid);
     void write_wall_forces(double t, const FluidSystem& fluid);
 
@@ -45,11 +47,12 @@ class Recorder {
     HistoryTimes row_times_;
     std::vector<SphGauge> gauges_;
     ParticleFile fields_;
+    std::vector<std::string> names_;   // of the fluids
     std::unique_ptr<History> gauge_file_, force_file_;
     History energy_file_;
-    std::vector<double> impulse_;      // [N s] per plane
+    std::vector<double> impulse_;      // [N s] per plane and fluid
     double last_force_t_ = -1;         // [s]
-    std::vector<double> last_force_;   // [N] per plane
+    std::vector<double> last_force_;   // [N] per plane and fluid
     double wall_force_ = -1;
     std::size_t reported_removed_ = 0;
 };

@@ -48,6 +48,18 @@ inline float8 reciprocal(float8 a) { return (float8)_mm256_rcp14_ps((__m256)a); 
 inline float8 reciprocal(float8 a) { return 1.0f / a; }
 #endif
 
+/// 1/a to round-off, without the divider: the reciprocal and one step of Newton's method.
+#if defined(__AVX512VL__)
+inline float8 precise_reciprocal(float8 a) {
+    const float8 r = reciprocal(a);
+    return r * (2.0f - a * r);
+}
+#else
+inline float8 precise_reciprocal(float8 a) { return 1.0f / a; }
+#endif
+inline float precise_reciprocal(float a) { return 1 / a; }
+inline double precise_reciprocal(double a) { return 1 / a; }
+
 inline float sum_of_lanes(float8 a) {
     return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }

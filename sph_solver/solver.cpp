@@ -64,23 +64,30 @@ int run(const Case& input, const SolverOptions& options) {
     const Integrator integrator = input.sph.integrator;
     FluidSystem fluid(input, alone && integrator != Integrator::one_pass ? 0.4 : 0.2);
     const double one_pass_cfl = default_cfl(Integrator::one_pass, input.sph.smoothing_ratio);
-    const double cfl = input.sph.cfl > 0
-                           ? input.sph.cfl
-                           : default_cfl(integrator == Integrator::one_pass ? Integrator::one_pass
-                                                                        : Integrator::two_pass,
-                                         input.sph.smoothing_ratio);
+    const double cfl = acoustic_cfl(input.sph);
+    const double c0 = fluid.largest_sound_speed();
     std::unique_ptr<Link> link =
         alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint);
     Recorder recorder(input, options.folder, alone, fluid);
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
-                         fluid.particles.size(), fluid.spacing(), fluid.fluid().c0, threads));
+                         fluid.particles.size(), fluid.spacing(), c0, threads));
+    for (std::size_t k = 0; k < fluid.fluids().size(); ++k)
+        if (fluid.fluids()[k].viscoplastic())
+            log_info(fmt::format("fluid \"{}\": viscosity at most {:.4g} Pa s{}",
+                                 input.sph.fluid[k].name, fluid.fluids()[k].rheology.max_viscosity,
+                                 input.sph.fluid[k].max_viscosity > 0
+                                     ? ""
+                                     : ", the largest that does not shorten the step"));
+
+    if (fluid.start().end() > 0)
+        log_info(fmt::format("start: damped at {:.4g} 1/s until {:.4g} s, all let go at {:.4g} s",
+                             fluid.start().damping(), input.start.settle, fluid.start().end()));
 
     RunFigures figures;
     const double start = wall_clock();
     double t = 0, dt = 0, dt_before = 0;
-    Health health;
-    health.max_speed = fluid.fastest();
+    Health health = fluid.health();
     bool fields_due = true, density_due = false;
     StepOrder order;
     const auto figures_now = [&] {
@@ -100,8 +107,10 @@ int run(const Case& input, const SolverOptions& options) {
     try {
         for (std::int64_t n = 0;; ++n) {
             Stopwatch watch;
-            const StableStep stable = stable_step(fluid.physics(), cfl, input.sph.force_cfl,
-                                                  health.max_speed, health.max_acceleration);
+            const StableStep stable =
+                stable_step({fluid.physics().h, c0, health.max_speed, health.max_acceleration,
+                             health.max_kinematic_viscosity},
+                            cfl, input.sph.force_cfl);
             link->offer({n, t, stable.dt, std::string("sph: ") + stable.limiter, figures.particle_steps},
                         fluid);
             watch.lap(figures.contact_wait);
@@ -118,7 +127,7 @@ int run(const Case& input, const SolverOptions& options) {
                 watch.lap(figures.pack);
             }
             const double one_pass_dt =
-                one_pass_cfl * fluid.physics().h / (fluid.fluid().c0 + health.max_speed);
+                one_pass_cfl * fluid.physics().h / (c0 + health.max_speed);
             const bool two_pass = takes_two_passes(integrator, dt, one_pass_dt);
             fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
             fluid.add_wall_friction();
@@ -132,6 +141,7 @@ int run(const Case& input, const SolverOptions& options) {
             watch.lap(figures.contact_wait);
             if (order.finished) break;
 
+            fluid.constrain_start(t, order.dt, dt);
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);
             density_due = two_pass;
             figures.two_pass_steps += two_pass;

@@ -9,8 +9,9 @@ namespace undertow::fem {
 namespace {
 
 HexahedronLaw make_law(const Part& part, const BulkViscosity& viscosity) {
-    const double lambda = part.material.lambda, mu = part.material.mu;
-    const double nu = part.material.poisson_ratio();
+    const LinearElastic& moduli = elastic_moduli(part.material);
+    const double lambda = moduli.lambda, mu = moduli.mu;
+    const double nu = moduli.poisson_ratio();
     return {.inverse_density = 1 / part.density,
             .lambda = lambda,
             .mu = mu,
@@ -32,6 +33,9 @@ Hexahedra::Hexahedra(const Mesh& mesh, const std::vector<Part>& parts,
     color_chunks(mesh.x.size());
     parts_ = parts;
     for (Part& part : parts_) part.elements = {};
+    if (std::any_of(parts.begin(), parts.end(),
+                    [](const Part& p) { return is_plastic(p.material); }))
+        plastic_strain_.resize(batch_.size(), Lanes{});
 }
 
 void Hexahedra::build_batches(const Mesh& mesh, const std::vector<Part>& parts) {
@@ -122,6 +126,34 @@ std::vector<double> Hexahedra::nodal_masses(std::size_t n_nodes) const {
     return mass;
 }
 
+std::vector<double> Hexahedra::nodal_weight_masses(std::size_t n_nodes) const {
+    std::vector<double> mass(n_nodes, 0.0);
+    for (std::size_t b = 0; b < batch_.size(); ++b) {
+        const Part& part = parts_[batch_[b].part];
+        // exactly 1 where weight and inertia are alike
+        const double ratio = part.weight_density ? *part.weight_density / part.density : 1;
+        for (int l = 0; l < batch_[b].valid; ++l)
+            for (int corner = 0; corner < 8; ++corner)
+                mass[batch_[b].node[corner][l]] += ratio * constants_[b].mass[l] / 8;
+    }
+    return mass;
+}
+
+void Hexahedra::set_stress(std::int32_t element, const Symmetric<double>& stress) {
+    const std::int32_t first = slot_of_[element] / n_lanes * n_lanes;
+    for (std::int32_t slot = first; slot < first + n_lanes; ++slot) {
+        if (element_at_[slot] != element) continue;  // padding repeats its element
+        Symmetric<Lanes>& s = state_[slot / n_lanes].stress;
+        const int l = slot % n_lanes;
+        s.xx[l] = stress.xx;
+        s.yy[l] = stress.yy;
+        s.zz[l] = stress.zz;
+        s.xy[l] = stress.xy;
+        s.yz[l] = stress.yz;
+        s.zx[l] = stress.zx;
+    }
+}
+
 void Hexahedra::accept_shape() {
     for (std::size_t b = 0; b < batch_.size(); ++b) constants_[b].omega2_reference = omega2_[b];
 }
@@ -175,6 +207,15 @@ std::vector<double> Hexahedra::stress() const {
         const double row[6] = {s.xx[l], s.yy[l], s.zz[l], s.xy[l], s.yz[l], s.zx[l]};
         std::copy(row, row + 6, &out[6 * e]);
     }
+    return out;
+}
+
+std::vector<double> Hexahedra::plastic_strain() const {
+    std::vector<double> out(size(), 0.0);
+    if (any_plastic())
+        for (std::size_t e = 0; e < size(); ++e)
+            if (slot_of_[e] >= 0)  // else of no part
+                out[e] = plastic_strain_[slot_of_[e] / n_lanes][slot_of_[e] % n_lanes];
     return out;
 }
 

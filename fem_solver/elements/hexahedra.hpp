@@ -7,10 +7,12 @@
 // added in the same order, so results have the same bits for any number of threads.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "fem_solver/elements/hexahedron.hpp"
+#include "fem_solver/materials/material.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/nodes.hpp"
 
@@ -21,7 +23,8 @@ struct Part {
     std::string name;                    // its volume set
     std::vector<std::int32_t> elements;  // of the mesh
     double density = 0;                  // [kg/m3]
-    LinearElastic material;
+    Material material;
+    std::optional<double> weight_density{};  // [kg/m3] that gravity acts on; none = density
 };
 
 struct BulkViscosity {
@@ -36,6 +39,8 @@ struct ElementsReport {
     double stiffening = 0;       // largest omega2 against the element's own reference
     double relative_volume = 1;  // smallest V/V0
     double compression = 0;      // largest Mach number at which an element closes
+    double plastic_work = 0;     // [J] of the step, a part of strain_work
+    double yielding = 0;         // elements that flowed in the step
 };
 
 class Hexahedra {
@@ -48,6 +53,10 @@ class Hexahedra {
     std::size_t deformable() const;                       // of the parts
     /// [kg] lumped nodal masses: an eighth of the element's mass at each of its nodes.
     std::vector<double> nodal_masses(std::size_t n_nodes) const;
+    /// [kg] the same of the masses that gravity acts on.
+    std::vector<double> nodal_weight_masses(std::size_t n_nodes) const;
+    /// Gives an element a stress [Pa] to start with.
+    void set_stress(std::int32_t element, const Symmetric<double>& stress);
 
     /// Stress, hourglass and internal forces at n: subtracts them from nodes.f. dt is the step that
     /// led from n-1 to n (0 at the start).
@@ -70,6 +79,9 @@ class Hexahedra {
 
     /// [Pa] (n_elements, 6) xx yy zz xy yz zx, in the mesh's order; without bulk viscosity.
     std::vector<double> stress() const;
+    bool any_plastic() const { return !plastic_strain_.empty(); }  // whether a part can yield
+    /// Equivalent plastic strain (n_elements) so far, in the mesh's order; 0 of elastic parts.
+    std::vector<double> plastic_strain() const;
     const HexahedronState<Lanes>& batch_state(std::size_t batch) const { return state_[batch]; }
     int colors() const { return int(color_begin_.size()) - 1; }
 
@@ -84,6 +96,8 @@ class Hexahedra {
         std::int32_t begin, end;  // batches, of one part
     };
     ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt);
+    template <class Law>
+    ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material);
     void build_batches(const Mesh& mesh, const std::vector<Part>& parts);
     void build_constants(const Mesh& mesh);
     void color_chunks(std::size_t n_nodes);
@@ -94,6 +108,7 @@ class Hexahedra {
     std::vector<HexahedronConstants<Lanes>> constants_;
     std::vector<HexahedronState<Lanes>> state_;
     std::vector<Lanes> omega2_;             // [1/s2] of the last step
+    std::vector<Lanes> plastic_strain_;     // [n_batches], empty when no part can yield
     std::vector<std::int32_t> slot_of_;     // element of the mesh -> batch * 8 + lane
     std::vector<std::int32_t> element_at_;  // and back; padding repeats its element
     std::vector<Chunk> chunk_;              // sorted by color

@@ -19,6 +19,7 @@ struct LaneReport {
     Lanes strain_work = {}, hourglass_work = {}, viscous_work = {};
     Lanes omega2 = {}, stiffening = {}, compression = {};
     Lanes relative_volume = 1.0 - Lanes{};
+    Lanes plastic_work = {}, yielding = {};
 };
 
 UNDERTOW_KERNEL Lanes first_lanes(const Lanes& a, int n) {
@@ -44,12 +45,18 @@ UNDERTOW_KERNEL void collect(LaneReport& sum, const HexahedronReport<Lanes>& r,
     sum.relative_volume = smaller(r.relative_volume, sum.relative_volume);
 }
 
+UNDERTOW_KERNEL void collect_flow(LaneReport& sum, const HexahedronReport<Lanes>& r, int valid) {
+    sum.plastic_work += valid == n_lanes ? r.plastic_work : first_lanes(r.plastic_work, valid);
+    sum.yielding += valid == n_lanes ? r.yielding : first_lanes(r.yielding, valid);
+}
+
 }  // namespace
 
-ElementsReport Hexahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double dt) {
-    const int part = batch_[chunk.begin].part;
-    const HexahedronLaw law = law_[part];
-    const LinearElastic material = parts_[part].material;
+template <class Law>
+ElementsReport Hexahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double dt,
+                                     const Law& law_of_part) {
+    const HexahedronLaw law = law_[batch_[chunk.begin].part];
+    const Law material = law_of_part;  // a copy on the stack: nothing below can change it
     LaneReport sum;
     for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
         const Batch& batch = batch_[b];
@@ -68,11 +75,21 @@ ElementsReport Hexahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double dt
                              f[1][corner], f[2][corner]);
         omega2_[b] = report.omega2;
         collect(sum, report, constants_[b].omega2_reference, batch.valid);
+        if constexpr (Law::plastic) {
+            collect_flow(sum, report, batch.valid);
+            plastic_strain_[b] += report.plastic_strain;
+        }
     }
-    return {sum_lanes(sum.strain_work),   sum_lanes(sum.hourglass_work),
-            sum_lanes(sum.viscous_work),  largest_lane(sum.omega2),
-            largest_lane(sum.stiffening), smallest_lane(sum.relative_volume),
-            largest_lane(sum.compression)};
+    return {sum_lanes(sum.strain_work),    sum_lanes(sum.hourglass_work),
+            sum_lanes(sum.viscous_work),   largest_lane(sum.omega2),
+            largest_lane(sum.stiffening),  smallest_lane(sum.relative_volume),
+            largest_lane(sum.compression), sum_lanes(sum.plastic_work),
+            sum_lanes(sum.yielding)};
+}
+
+ElementsReport Hexahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double dt) {
+    return std::visit([&](const auto& law) { return step_chunk(chunk, nodes, dt, law); },
+                      parts_[batch_[chunk.begin].part].material);
 }
 
 ElementsReport Hexahedra::step(Nodes& nodes, double dt, int threads) {
@@ -96,6 +113,8 @@ ElementsReport Hexahedra::step(Nodes& nodes, double dt, int threads) {
         total.stiffening = std::max(total.stiffening, r.stiffening);
         total.compression = std::max(total.compression, r.compression);
         total.relative_volume = std::min(total.relative_volume, r.relative_volume);
+        total.plastic_work += r.plastic_work;
+        total.yielding += r.yielding;
     }
     return total;
 }
@@ -111,8 +130,8 @@ void Hexahedra::subtract_tangent_forces(const NodeRows& x_rows, const NodeRows& 
         gather_corners(u.data(), batch.node, dx);
         HexahedronState<Lanes> state = {};
         HexahedronReport<Lanes> report;
-        step_hexahedron(x, dx, 1.0, constants_[b], parts_[batch.part].material, law, state, f,
-                        report);
+        step_hexahedron(x, dx, 1.0, constants_[b], elastic_moduli(parts_[batch.part].material), law,
+                        state, f, report);
         for (int corner = 0; corner < 8; ++corner)
             scatter_subtract(f_rows.data(), batch.node[corner], batch.valid, f[0][corner],
                              f[1][corner], f[2][corner]);

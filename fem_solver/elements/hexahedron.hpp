@@ -10,8 +10,10 @@
 //   6. forces from stress, bulk viscosity and hourglass; energies; stable-step figure
 // Derivations are in docs/theory_fem.md.
 
+#include "fem_solver/elements/hourglass_limit.hpp"
 #include "fem_solver/elements/modes.hpp"
 #include "fem_solver/elements/tensor.hpp"
+#include "fem_solver/materials/tresca.hpp"
 
 namespace undertow::fem {
 
@@ -53,6 +55,10 @@ struct HexahedronReport {
     T omega2;           // [1/s2] bound on the largest eigenvalue
     T relative_volume;  // V/V0; <= 0 is an inverted element
     T compression;      // -length tr(D)/c, Mach number of closing: enters the viscosity's limit
+    // of plastic materials alone:
+    T plastic_work;    // [J] of the step, a part of strain_work
+    T plastic_strain;  // increment of the equivalent plastic strain
+    T yielding;        // 1 where the stress flowed, else 0
 };
 
 /// Six vectors C_m = dD/dX_m for D = 64 V: the mean gradient in modes. The fourth hourglass mode
@@ -251,7 +257,11 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
     Symmetric<T> s = state.stress;
     rotate_with_spin(L, s);
     const Symmetric<T> before = s;
-    material(s, d_eps, dt);
+    PlasticFlow<T> flow;  // set and read for plastic materials alone
+    if constexpr (Material::plastic)
+        material(s, d_eps, dt, flow);
+    else
+        material(s, d_eps, dt);
     state.stress = s;
     report.strain_work = half_volume * work_of_sum(before, s, d_eps);
 
@@ -263,8 +273,23 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
 
     T p[3][4];
     hourglass_displacements(x, dx, L, p);
-    report.hourglass_work =
+    if constexpr (Material::plastic) {
+        T Q[3][4];
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 4
+            for (int a = 0; a < 4; ++a) Q[i][a] = state.hourglass[i][a];
         update_hourglass(law, volume_start, element.axis_weight, p, state.hourglass);
+        report.hourglass_work =
+            limit_hourglass(hourglass_strength(material.shear_strength, flow.utilization),
+                            volume_start, element.axis_weight, p, Q, state.hourglass);
+        report.plastic_work = (2.0 * half_volume) * flow.work;
+        report.plastic_strain = flow.strain;
+        report.yielding = flow.yielding;
+    } else {
+        report.hourglass_work =
+            update_hourglass(law, volume_start, element.axis_weight, p, state.hourglass);
+    }
 
     s.xx += q;
     s.yy += q;

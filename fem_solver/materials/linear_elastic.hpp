@@ -18,6 +18,8 @@ struct LinearElastic {
     double lambda;  // [Pa] first Lame constant
     double mu;      // [Pa] shear modulus
 
+    static constexpr bool plastic = false;
+
     static LinearElastic from_young(double young_modulus, double poisson_ratio) {
         const double E = young_modulus, nu = poisson_ratio;
         return {E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};

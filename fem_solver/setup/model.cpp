@@ -29,14 +29,18 @@ Mesh make_mesh(const Case& c) {
     return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile);
 }
 
-LinearElastic make_material(const FemMaterial& m) {
+Material make_material(const FemMaterial& m) {
     if (!(m.density > 0) || !(m.young_modulus > 0))
         throw InputError("fem.material \"" + m.name + "\": density and young_modulus must be > 0.");
     if (!(m.poisson_ratio > -1 && m.poisson_ratio < 0.5))
         throw InputError("fem.material \"" + m.name +
                          "\": poisson_ratio = " + std::to_string(m.poisson_ratio) +
                          " must be > -1 and < 0.5 (0.49 is a good stand-in for 0.5).");
-    return LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
+    const LinearElastic moduli = LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
+    if (m.kind == MaterialKind::linear_elastic) return moduli;
+    if (!(m.shear_strength > 0))
+        throw InputError("fem.material \"" + m.name + "\": shear_strength must be > 0.");
+    return Tresca{moduli, m.shear_strength};
 }
 
 std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
@@ -49,7 +53,7 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
             throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
                              p.material + "\".");
         Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
-                  make_material(*material)};
+                  make_material(*material), material->weight_density};
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +
@@ -153,6 +157,9 @@ Model build_model(const Case& c, Mesh mesh) {
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
     model.surface = make_surface(c.fem, model.mesh);
+    model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
+    model.far_field = make_far_field(c.fem, model.mesh, model.parts);
+    model.water = make_static_water(c, model.mesh);
     for (const FemProbe& p : c.fem.probe)
         model.probes.push_back({p.name, nearest_node(model.mesh, p.point)});
     model.gravity = c.info.gravity;

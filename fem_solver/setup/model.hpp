@@ -9,6 +9,7 @@
 #include "fem_solver/contact_pairs/contact_set.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/mesh.hpp"
+#include "fem_solver/setup/ground.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
 
 namespace undertow::fem {
@@ -39,6 +40,9 @@ struct Model {
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
     CoupledSurface surface;
+    std::vector<InitialStress> initial_stress;
+    AbsorbingBoundary far_field;
+    std::optional<StaticWater> water;
     std::vector<Probe> probes;
     std::vector<RigidSet> rigid;       // their elements are in no part
     std::vector<ContactSet> contacts;  // inside the mesh

@@ -61,7 +61,7 @@ struct Fluid {                           // [[sph.fluid]]
     double max_viscosity = 0;            // [Pa s] cap where hardly anything shears; 0 = the largest
                                          // that does not shorten the step
     EquationOfState equation_of_state = EquationOfState::us_up;   // "us_up", "tait"
-    std::optional<double> sound_speed;   // [m/s]; "auto" (= nullopt): ten times sph.max_speed
+    std::optional<double> sound_speed{};  // [m/s]; "auto" (= nullopt): ten times sph.max_speed
     double hugoniot_slope = 0;           // s of Us = c0 + s up
     double gruneisen = 0;                // Gamma0
     double tait_exponent = 7;
@@ -70,19 +70,19 @@ struct Fluid {                           // [[sph.fluid]]
 struct Fill {                            // [[sph.fill]] particles, cell-centered in the box
     std::string fluid;                   // where fills overlap, the later one has the place
     Box box;
-    std::vector<std::array<double, 2>> profile;   // [m] polygon in x, z that cuts a prism out of the
+    std::vector<std::array<double, 2>> profile{};// [m] polygon in x, z that cuts a prism out of the
                                          // box; empty = the whole box
     Vec3 velocity{};                     // [m/s]
     double ramp = 0;                     // [s] > 0: after start.settle the fill is moved as a block,
                                          // its speed rising smoothly from 0 to `velocity` in this
                                          // time, then let go where box and profile say; it starts
                                          // velocity ramp/2 behind
-    std::optional<double> surface_level; // [m] z of p = 0 for the hydrostatic start; none = top of box
+    std::optional<double> surface_level{}; // [m] z of p = 0 for the hydrostatic start; none = top of box
 };
 
 struct Obstacle {                        // [[sph.obstacle]] a body that fills leave free
     std::string name;
-    std::optional<Box> box;              // a box, or a cylinder with flat ends:
+    std::optional<Box> box{};            // a box, or a cylinder with flat ends:
     Vec3 from{}, to{};                   // [m] its axis
     double radius = 0;                   // [m]
 };
@@ -145,7 +145,7 @@ struct FemMaterial {                     // [[fem.material]]
     std::string name;
     MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca"
     double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
-    std::optional<double> weight_density;    // [kg/m3] of the weight (under water: less the water's);
+    std::optional<double> weight_density{};  // [kg/m3] of the weight (under water: less the water's);
                                          // none = density
     double young_modulus = 0;            // [Pa]
     double poisson_ratio = 0;            // -1 to 0.5
@@ -197,6 +197,9 @@ struct FemSettle {                       // [fem.settle]
 
 struct FemAbsorbing {                    // [[fem.absorbing]] viscous boundary, keeps the reaction of
     std::string set;                     // the start; facet set
+    std::optional<Vec3> center{};        // [m] where the loads act: springs stand for the soil
+                                         // beyond; none = dashpots alone, which give way to a load
+                                         // that stays
 };
 
 struct FemRigid {                        // [[fem.rigid]] elements that move as one rigid body

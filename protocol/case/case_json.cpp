@@ -146,7 +146,7 @@ void to_json(Json& j, const FemSettle& v) {
     j = {{"tolerance", v.tolerance}, {"max_steps", v.max_steps}};
 }
 void to_json(Json& j, const FemAbsorbing& v) {
-    j = {{"set", v.set}};
+    j = {{"set", v.set}, {"center", v.center ? Json(*v.center) : Json(nullptr)}};
 }
 void to_json(Json& j, const FemRigid& v) {
     j = {{"name", v.name},

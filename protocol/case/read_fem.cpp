@@ -88,7 +88,11 @@ void read_ground(TableReader& reader, FemSettings& fem) {
         }))
         fem.settle = settle;
     reader.tables("absorbing", [&](TableReader& entry) {
-        read_set(entry, fem.absorbing.emplace_back().set, fem, block_facets);
+        FemAbsorbing& absorbing = fem.absorbing.emplace_back();
+        read_set(entry, absorbing.set, fem, block_facets);
+        Vec3 center{};
+        entry.vector("center", center, "m");
+        if (entry.has("center")) absorbing.center = center;
     });
 }
 

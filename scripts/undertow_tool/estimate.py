@@ -19,11 +19,21 @@ def boxes_of(case):
 
 
 def particles(case):
-    """Number of particles of all fills, cell-centered."""
+    """Number of particles of all fills, cell-centered; what fills share counts once (their boxes'
+    overlaps, pair by pair)."""
     dx = case["sph"]["spacing"]
     axes = (0, 2) if case["case"]["dimension"] == 2 else (0, 1, 2)
-    return sum(math.prod(max(1, round((box["max"][k] - box["min"][k]) / dx)) for k in axes)
-               for box in boxes_of(case))
+
+    def cells(low, high):
+        return math.prod(max(0, round((high[k] - low[k]) / dx)) for k in axes)
+
+    boxes = boxes_of(case)
+    count = sum(cells(box["min"], box["max"]) for box in boxes)
+    for index, one in enumerate(boxes):
+        for other in boxes[index + 1:]:
+            count -= cells([max(p) for p in zip(one["min"], other["min"])],
+                           [min(p) for p in zip(one["max"], other["max"])])
+    return count
 
 
 def expected_speed(case):
@@ -48,22 +58,37 @@ def sph_step(case):
     return dt, f"sound, c0 = {c0:.4g} m/s"
 
 
-def read_hexahedra(path):
-    """(edge lengths' minimum [m], number of hexahedra) of an ASCII Gmsh 4.1 file, or None."""
+def read_hexahedra(path, rigid):
+    """(edge lengths' minimum [m], number of hexahedra) of an ASCII Gmsh 4.1 file, or None. Volume
+    sets named in `rigid` limit no step and are left out."""
     try:
         lines = iter(path.read_text().splitlines())
         nodes, shortest, count = {}, math.inf, 0
+        names, entities = {}, {}          # of volumes: physical tag -> name, entity -> physical tags
         for line in lines:
-            if line == "$Nodes":
+            if line == "$PhysicalNames":
+                for _ in range(int(next(lines))):
+                    dimension, tag, name = next(lines).split(maxsplit=2)
+                    if dimension == "3":
+                        names[int(tag)] = name.strip('"')
+            elif line == "$Entities":
+                counts = [int(n) for n in next(lines).split()]
+                for dimension, n in enumerate(counts):
+                    for _ in range(n):
+                        words = next(lines).split()
+                        at = 4 if dimension == 0 else 7
+                        if dimension == 3:
+                            entities[int(words[0])] = [int(w) for w in words[at + 1:at + 1 + int(words[at])]]
+            elif line == "$Nodes":
                 for _ in range(int(next(lines).split()[0])):
                     n = int(next(lines).split()[3])
                     tags = [int(next(lines)) for _ in range(n)]
                     nodes.update((tag, np.array(next(lines).split()[:3], dtype=float)) for tag in tags)
             elif line == "$Elements":
                 for _ in range(int(next(lines).split()[0])):
-                    _, _, kind, n = map(int, next(lines).split())
+                    _, entity, kind, n = map(int, next(lines).split())
                     rows = [next(lines).split() for _ in range(n)]
-                    if kind != 5:
+                    if kind != 5 or any(names.get(tag) in rigid for tag in entities.get(entity, [])):
                         continue
                     count += n
                     for row in rows:
@@ -79,7 +104,8 @@ def fem_mesh(case):
     """(least length [m], elements, surface facets or None)."""
     block = case["fem"]["block"]
     if block is None:
-        found = read_hexahedra(Path(case["folder"]) / case["fem"]["mesh"])
+        rigid = {body["set"] for body in case["fem"]["rigid"]}
+        found = read_hexahedra(Path(case["folder"]) / case["fem"]["mesh"], rigid)
         return (*found, None) if found else None
     n = block["divisions"]
     lengths = [(block["box"]["max"][k] - block["box"]["min"][k]) / n[k] for k in range(3)]
@@ -95,7 +121,9 @@ def wave_speed(material):
 
 def fem_step(case, length):
     """(dt [s], what limits it): the fastest material in the smallest element."""
-    fastest = max(case["fem"]["material"], key=wave_speed)
+    rigid = {body["set"] for body in case["fem"]["rigid"]}
+    used = {part["material"] for part in case["fem"]["part"] if part["set"] not in rigid}
+    fastest = max((m for m in case["fem"]["material"] if m["name"] in used), key=wave_speed)
     c = wave_speed(fastest)
     return case["fem"]["cfl"] * length / c, f"element, {fastest['name']}: L = {length:.3g} m, c_p = {c:.4g} m/s"
 

@@ -7,7 +7,7 @@ import numpy as np
 from .errors import UserError
 from .fields import open_fields
 from .paths import shown
-from .pictures import colorbar, draw_mesh, draw_particles, new_figure, plt
+from .pictures import colorbar, draw_mesh, draw_particles, draw_section, new_figure, plt, section_faces
 
 
 def frame_extent(case, sph, fem):
@@ -33,6 +33,26 @@ def speed_limits(sph):
     return 0.0, max(max(tops, default=1.0), 1e-6)
 
 
+def find_section(fem):
+    """Where a half model is cut, its faces and elements; None for a whole model."""
+    if fem is None or fem.hexahedra is None:
+        return None
+    x = fem.read(0)[0]
+    if x[fem.hexahedra][..., 1].min() < -1e-3:
+        return None
+    faces, element = section_faces(x, fem.hexahedra)
+    return (faces, element) if len(faces) else None
+
+
+def draw_structure(axes, fem, step, section):
+    x, plastic = fem.read(step, "plastic_strain")
+    if section is None or plastic is None:
+        draw_mesh(axes, x, fem.hexahedra)
+        return
+    faces, element = section
+    draw_section(axes, x, faces, 100 * plastic[element], (0, 5), "YlOrRd", edge="#d8d8d8")
+
+
 def make_movie(out, case, path, fps=25, height=720):
     """Writes `path`; returns the number of frames."""
     if not shutil.which("ffmpeg"):
@@ -50,6 +70,7 @@ def make_movie(out, case, path, fps=25, height=720):
     if sph:
         colorbar(figure, axes, limits, "speed [m/s]", cax=figure.add_axes([0.92, 0.15, 0.015, 0.7]))
     lead = sph or fem
+    section = find_section(fem)
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba",
                "-s", f"{size[0]}x{size[1]}", "-r", str(fps), "-i", "-", "-c:v", "libx264",
                "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart", str(path)]
@@ -58,14 +79,14 @@ def make_movie(out, case, path, fps=25, height=720):
             axes.clear()
             axes.set_title(f"{case['case']['title']}    t = {t:.3f} s")
             if sph:
-                x, velocity = sph.read(step, "velocity")
+                x, velocity, fluid = sph.read(step, "velocity", "fluid")
                 speed = np.linalg.norm(velocity, axis=1) if velocity is not None else np.zeros(len(x))
-                draw_particles(axes, x, speed, extent, case["sph"]["spacing"], limits, width=size[0])
+                draw_particles(axes, x, speed, extent, case["sph"]["spacing"], limits, width=size[0], fluid=fluid)
             else:
                 axes.set_xlim(*extent[:2])
                 axes.set_ylim(*extent[2:])
             if fem and fem.hexahedra is not None:
-                draw_mesh(axes, fem.read(fem.nearest(t))[0], fem.hexahedra)
+                draw_structure(axes, fem, fem.nearest(t), section)
             axes.set_aspect("equal")
             axes.grid(False)
             figure.canvas.draw()

@@ -3,6 +3,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
+import matplotlib.colors  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
@@ -20,10 +21,28 @@ STYLE = {
 }
 
 
-def splat(points, depth, values, extent, radius, width, cmap, limits):
+# Of the first, second, ... fluid of a case, from slow to fast.
+FLUIDS = [matplotlib.colors.LinearSegmentedColormap.from_list(name, colors) for name, colors in (
+    ("water", ("#cfe3f5", "#86b6e0", "#2b6cb0", "#0b3c6f")),
+    ("slide", ("#8a6a45", "#b5793a", "#e09f3e", "#f6d186")))]
+
+
+def colors_of(values, limits, cmap=SPEED, fluid=None):
+    """(n, 3) of 0 to 255: by value, and where the case has several fluids each in its own colors."""
+    shade = np.clip((values - limits[0]) / (limits[1] - limits[0] or 1), 0, 1)
+    if fluid is None or len(np.unique(fluid)) < 2:
+        return (plt.get_cmap(cmap)(shade)[:, :3] * 255).astype(np.float32)
+    colors = np.zeros((len(values), 3), dtype=np.float32)
+    for k in np.unique(fluid).astype(int):
+        its = fluid == k
+        colors[its] = FLUIDS[k % len(FLUIDS)](shade[its])[:, :3] * 255
+    return colors
+
+
+def splat(points, depth, colors, extent, radius, width):
     """Shaded discs of `radius` [m] painted from far to near into an RGBA image of `width` pixels.
 
-    points (n, 2) [m]; depth (n), larger is nearer; extent (left, right, bottom, top) [m].
+    points (n, 2) [m]; depth (n), larger is nearer; colors (n, 3); extent (left, right, bottom, top) [m].
     """
     left, right, bottom, top = extent
     scale = width / (right - left)                       # [pixel/m]
@@ -33,8 +52,7 @@ def splat(points, depth, values, extent, radius, width, cmap, limits):
     if len(points) == 0:
         return image.reshape(height, width, 4)
     order = np.argsort(depth, kind="stable")
-    shade = np.clip((values[order] - limits[0]) / (limits[1] - limits[0] or 1), 0, 1)
-    color = (plt.get_cmap(cmap)(shade)[:, :3] * 255).astype(np.float32)
+    color = colors[order]
     column = np.floor((points[order, 0] - left) * scale).astype(int)
     row = np.floor((top - points[order, 1]) * scale).astype(int)
     r = max(1.0, radius * scale)
@@ -54,9 +72,10 @@ def splat(points, depth, values, extent, radius, width, cmap, limits):
     return image.reshape(height, width, 4)
 
 
-def draw_particles(axes, x, values, extent, spacing, limits, cmap=SPEED, width=900):
-    """A side view (x-z, seen along +y from y = -infinity) into axes."""
-    image = splat(x[:, [0, 2]], -x[:, 1], values, extent, 0.62 * spacing, width, cmap, limits)
+def draw_particles(axes, x, values, extent, spacing, limits, cmap=SPEED, width=900, fluid=None, above=False):
+    """A side view (x-z, seen along +y from y = -infinity) into axes; `above`: a plan (x-y) from above."""
+    points, depth = (x[:, [0, 1]], x[:, 2]) if above else (x[:, [0, 2]], -x[:, 1])
+    image = splat(points, depth, colors_of(values, limits, cmap, fluid), extent, 0.62 * spacing, width)
     axes.imshow(image, extent=extent, interpolation="bilinear", zorder=2, aspect="equal")
     axes.set_xlim(extent[0], extent[1])
     axes.set_ylim(extent[2], extent[3])
@@ -69,6 +88,25 @@ def draw_mesh(axes, x, hexahedra, magnify=1.0, displacement=None, color=STRUCTUR
     front = hexahedra[:, [0, 1, 5, 4]]                   # the facet towards -y of a block's elements
     axes.add_collection(PolyCollection(shown[front][:, :, [0, 2]], facecolor=color, edgecolor="white",
                                        linewidth=0.3, zorder=3))
+
+
+def section_faces(x, hexahedra, y=0.0, near=1e-3):
+    """The mesh's faces that lie in the plane y: (n, 4) nodes and (n) elements."""
+    corner = np.array(((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)))
+    faces = hexahedra[:, corner]                         # (elements, 6, 4)
+    lies = np.all(np.abs(x[faces][..., 1] - y) < near, axis=2)
+    element, side = np.nonzero(lies)
+    return faces[element, side], element
+
+
+def draw_section(axes, x, faces, values=None, limits=(0, 1), cmap="magma_r", color=STRUCTURE, edge="white"):
+    """Faces in side view, in one color or by value."""
+    polygons = PolyCollection(x[faces][:, :, [0, 2]], linewidth=0.3, edgecolor=edge, zorder=1)
+    if values is None:
+        polygons.set_facecolor(color)
+    else:
+        polygons.set(array=values, cmap=cmap, clim=limits)
+    axes.add_collection(polygons)
 
 
 def colorbar(figure, axes, limits, label, cmap=SPEED, **options):

@@ -51,6 +51,8 @@ Plates make_plates(const std::vector<PlateWall>& walls, double spacing, int dime
     }
     plates.x = plates.x0, plates.y = plates.y0, plates.z = plates.z0;
     for (auto* a : {&plates.vx, &plates.vy, &plates.vz, &plates.p}) a->resize(plates.x0.size(), 0.0);
+    plates.viscosity.resize(plates.x0.size(), 0.0f);
+    plates.fluid.resize(plates.x0.size(), 0);
     return plates;
 }
 

@@ -2,6 +2,7 @@
 // Rigid plates (gates, blocks) as dummy particles on a lattice, at rest or moving. A dummy carries the
 // pressure of the fluid next to it, extrapolated along gravity.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct Plates {
     std::vector<double> x0, y0, z0;          // position at rest [m], [dummies]
     std::vector<double> vx, vy, vz;          // what the pair loop sees [m/s], [dummies]
     std::vector<double> p;                   // extrapolated pressure [Pa], [dummies]
+    std::vector<float> viscosity;            // of the fluid next to it [Pa s], [dummies]
+    std::vector<std::uint8_t> fluid;         // the fluid that is most of what is near, [dummies]
     std::vector<int> plate;                  // owner, [dummies]
     std::vector<PlateWall> walls;
 

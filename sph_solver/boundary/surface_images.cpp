@@ -14,8 +14,16 @@ namespace {
 
 // Beyond a free edge or around a sharp one the surface is no mirror: there the direction to the
 // closest point departs from the facet's normal (cosine), or two particles' normals from each
-// other.
-constexpr double is_above = 0.9, same_wall = 0.7;
+// other. The mirror fades there: an image that comes and goes at once would do work.
+constexpr double no_mirror = 0.7, full_mirror = 0.95, same_wall = 0.7;
+// Of a contact force's length: more than this along a wall's normal, and that wall is touched.
+constexpr double presses = 0.02;
+
+/// 0 beyond an edge, 1 above the facet; c: cosine of the foot's direction to the normal.
+double mirror_share(double c) {
+    const double s = std::clamp((c - no_mirror) / (full_mirror - no_mirror), 0.0, 1.0);
+    return s * s * (3 - 2 * s);
+}
 
 double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -61,23 +69,40 @@ void SurfaceImages::find_near(const Particles& particles, double range) {
                  surface, 0, found);
     for (std::size_t c = 0; c < found.row.size(); ++c) {
         const contact::Vec at = contact::Vec::Map(&x[3 * std::size_t(found.row[c])]);
-        contact::Foot best;
-        best.distance = range;
-        bool hit = false;
+        const std::size_t first = near_.size();
         for (std::uint32_t f = found.start[c]; f < found.start[c + 1]; ++f) {
             const contact::Foot foot = contact::closest_point(at, surface.shape(found.facet[f]));
-            if (!(foot.distance < best.distance)) continue;
-            best = foot, hit = true;
+            if (!(foot.distance < range)) continue;
+            const double share = mirror_share(foot.offset.dot(foot.normal) / foot.distance);
+            if (!(share > 0)) continue;
+            // across a seam the direction to the foot turns from one facet's normal to the next's
+            const contact::Vec n = foot.offset / foot.distance, at_foot = at - foot.offset;
+            Near near{};
+            near.particle = inside[found.row[c]];
+            near.distance = foot.distance;
+            near.share = share;
+            for (int a = 0; a < 3; ++a) near.point[a] = at_foot[a], near.normal[a] = n[a];
+            std::size_t k = first;   // in a corner a particle has several walls, of each one foot
+            while (k < near_.size() && dot(near_[k].normal, near.normal) < same_wall) ++k;
+            if (k == near_.size())
+                near_.push_back(near);
+            else if (near.distance < near_[k].distance)
+                near_[k] = near;
         }
-        if (!hit || !(best.offset.dot(best.normal) > is_above * best.distance)) continue;
-        // across a seam the direction to the foot turns from one facet's normal to the next one's
-        const contact::Vec n = best.offset / best.distance, foot = at - best.offset;
-        Near near{};
-        near.particle = inside[found.row[c]];
-        for (int a = 0; a < 3; ++a) near.point[a] = foot[a], near.normal[a] = n[a];
-        slot_[near.particle] = static_cast<int>(near_.size());
-        near_.push_back(near);
+        if (near_.size() > first) slot_[inside[found.row[c]]] = static_cast<int>(first);
     }
+}
+
+/// The wall of `source` that looks the same way as `normal`: index in near_, -1 if it has none.
+int SurfaceImages::same_wall_of(int source, const double normal[3]) const {
+    int best = -1;
+    double closest = same_wall;
+    for (int b = slot_[source]; b >= 0 && b < static_cast<int>(near_.size()) &&
+                                near_[b].particle == source; ++b) {
+        const double c = dot(near_[b].normal, normal);
+        if (c >= closest) closest = c, best = b;
+    }
+    return best;
 }
 
 void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& neighbors,
@@ -107,10 +132,9 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
             const bool mirrored = *at >= n;
             if (mirrored && extras[*at - n].from_plate) continue;
             const int source = mirrored ? extras[*at - n].source : *at;
-            const int b = slot_[source];
+            const int b = source == own && !mirrored ? a : same_wall_of(source, i.normal);
             if (b < 0 || (!mirrored && b < a)) continue;  // each pair once
             const Near& j = near_[b];
-            if (dot(i.normal, j.normal) < same_wall) continue;
             const double d[3] = {double(records[own].x - records[*at].x) * fixed.unit,
                                  double(records[own].y - records[*at].y) * fixed.unit,
                                  double(records[own].z - records[*at].z) * fixed.unit};
@@ -141,7 +165,8 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
         const int i = k.particle;
         const double d[3] = {p.x[i] - k.point[0], p.y[i] - k.point[1], p.z[i] - k.point[2]};
         k.distance = dot(d, k.normal);
-        k.touches = p.fx[i] != 0 || p.fy[i] != 0 || p.fz[i] != 0;
+        const double f[3] = {p.fx[i], p.fy[i], p.fz[i]};
+        k.touches = dot(f, k.normal) > presses * std::sqrt(dot(f, f));
         k.weight = k.wall_speed = 0;
         k.rate = k.push = k.a[0] = k.a[1] = k.a[2] = 0;
     }
@@ -163,34 +188,51 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
     const double full = kernel.value(spacing_);
     for (Near& k : near_) {
         if (k.touches) {
-            k.backing = 1;
+            k.backing = k.share;
             k.wall_speed = 0;
             lean(k, k, 1);
         } else {
-            k.backing = std::min(1.0, k.weight / full);
+            k.backing = k.share * std::min(1.0, k.weight / full);
             if (k.weight > 0) k.wall_speed /= k.weight;
         }
     }
 }
 
 /// The pair terms of pair_terms.hpp between i and j', the pressure of the image continued
-/// hydrostatically.
+/// hydrostatically. An image is of its owner's fluid.
 template <class KernelLaw>
 void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kernel,
                               const Neighborhood& neighbors, const Particles& p) {
-    const FluidLaw& fluid = physics.fluid;
     const FixedPoint& fixed = neighbors.fixed();
     const std::vector<Packed>& records = neighbors.records();
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale();
-    const double mass = fluid.rho0 * fluid.volume, inverse_mass = 1 / mass;
+    // of the records: the sums have found the next ones already
+    const std::vector<float>& viscosity = neighbors.viscosity();
+    const bool variable = !viscosity.empty();
     for (Near& k : near_) {
+        const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
+        k.mass = fluid.rho0 * fluid.volume;
+        k.per_mass = 1 / k.mass;
         k.volume = records[k.particle].volume;
-        k.density = mass / k.volume;
+        k.density = k.mass / k.volume;
     }
-    const double shock = physics.artificial_viscosity * h * fluid.c0 * fluid.rho0;  // [Pa s]
-    const double diffusive = 2 * physics.density_diffusion * h / fluid.c0;
-    const double g[3] = {fluid.rho0 * physics.gravity[0], fluid.rho0 * physics.gravity[1],
-                         fluid.rho0 * physics.gravity[2]};
+    // [a][b] for the fluids a of i and b of j
+    constexpr std::size_t most = FluidTag::most;
+    const std::size_t fluids = physics.fluids.size();
+    double shock[most][most], mu[most][most], diffusive[most][most];   // [Pa s], [Pa s], [s/m^2]
+    double weight[most][3];                                            // rho0 g [Pa/m]
+    for (std::size_t a = 0; a < fluids; ++a) {
+        const FluidLaw& own = physics.fluids[a];
+        for (int c = 0; c < 3; ++c) weight[a][c] = own.rho0 * physics.gravity[c];
+        for (std::size_t b = 0; b < fluids; ++b) {
+            const FluidLaw& other = physics.fluids[b];
+            const double impedance =
+                a == b ? own.c0 * own.rho0 : 0.5 * (own.c0 * own.rho0 + other.c0 * other.rho0);
+            shock[a][b] = physics.artificial_viscosity * h * impedance;
+            mu[a][b] = a == b ? own.mu : harmonic_mean(own.mu, other.mu);
+            diffusive[a][b] = a == b ? 2 * physics.density_diffusion * h / own.c0 : 0;
+        }
+    }
     for (const Pair& pair : pairs_) {
         Near &i = near_[pair.a], &j = near_[pair.b];
         const double backing = i.backing * j.backing;
@@ -222,22 +264,30 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         // v_i + v_j along n, both seen from the wall
         const double closing = 2 * dot(v_a, n) - vn - i.wall_speed - j.wall_speed;
         const double approach = dot(slip, along) + closing * s;
-        const double spread = F * approach, level = F * diffusive * (p.p[b] - p.p[a] + dot(g, d));
-        const double viscous = approach < 0 ? -shock * approach / r2 : 0,
-                     laminar = 2 * fluid.mu * F;
-        const double mean = p.p[a] + p.p[b] + viscous, gn = dot(g, n);
-        const double per_mass = i.volume * j.volume * inverse_mass;
-        // normal: P_i = p_i + p_j - 2 s_j rho0 g.n, of the image; along the wall their mean, so
+        const int of_a = p.fluid[a], of_b = p.fluid[b];
+        const double spread = F * approach,
+                     level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
+        const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
+        const double pair_mu =
+            variable ? harmonic_mean(double(viscosity[a]), double(viscosity[b]))
+                     : mu[of_a][of_b];
+        const double laminar = 2 * pair_mu * F;
+        const double mean = p.p[a] + p.p[b] + viscous;
+        const double gn_a = dot(weight[of_a], n), gn_b = dot(weight[of_b], n);
+        const double volumes = i.volume * j.volume;
+        // normal: P_i = p_i + p_j - 2 s_j rho0_j g.n, of the image; along the wall their mean, so
         // that the two forces cancel
-        const double P = mean - s * gn;
-        const auto give = [&](Near& k, double sign, const Near& other, double level_k) {
+        const double P =
+            mean - (of_a == of_b ? s * gn_a : i.distance * gn_a + j.distance * gn_b);
+        const auto give = [&](Near& k, double sign, const Near& other, double level_k, double gn) {
+            const double per_mass = volumes * k.per_mass;
             k.rate += other.volume * (level_k - k.density * spread);
             for (int c = 0; c < 3; ++c)
                 k.a[c] += sign * per_mass * (F * P * along[c] - laminar * slip[c]);
             k.push += per_mass * (F * (mean - 2 * other.distance * gn) * s - laminar * closing);
         };
-        give(i, 1, j, level);
-        if (!mirrored && a != b) give(j, -1, i, -level);
+        give(i, 1, j, level, gn_b);
+        if (!mirrored && a != b) give(j, -1, i, -level, gn_a);
     }
 }
 
@@ -247,7 +297,8 @@ void SurfaceImages::add_reactions() {
         if (!(pair.lean > 0)) continue;
         Near &i = near_[pair.a], &j = near_[pair.b];
         Near &pushed = i.touches ? j : i, &touching = i.touches ? i : j;
-        const double share = pair.lean / pushed.weight * pushed.push;
+        const double share =
+            pair.lean / pushed.weight * pushed.push * (pushed.mass / touching.mass);
         for (int c = 0; c < 3; ++c) touching.a[c] -= share * pushed.normal[c];
     }
     for (Near& k : near_)

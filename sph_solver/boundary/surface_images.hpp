@@ -46,14 +46,17 @@ class SurfaceImages {
              Particles& particles);
 
  private:
-    /// A particle near the surface and its closest facet's plane.
+    /// A particle near the surface and its closest facet's plane. In a concave corner it has one
+    /// entry per wall, one after the other.
     struct Near {
         int particle;
         double point[3], normal[3];  // [m], [-]
+        double share;             // of a mirror that the surface is there, 0 to 1
         bool touches;
         double distance;          // s [m]
         double backing;           // 0 (no touching particle around) to 1
         double wall_speed;        // normal velocity of the touching particles [m/s]
+        double mass, per_mass;    // rho0 V0 [kg/m^(3-d)], and 1 over it
         double volume, density;   // [m^d], [kg/m3]
         double weight;            // sum of their kernel values [1/m^d]
         double rate, a[3], push;  // results: [kg/m3/s], [m/s2], along the normal [m/s2]
@@ -66,6 +69,7 @@ class SurfaceImages {
     };
 
     void find_near(const Particles& particles, double range);
+    int same_wall_of(int source, const double normal[3]) const;
     template <class KernelLaw>
     void find_backing(const KernelLaw& kernel, const Particles& particles);
     template <class KernelLaw>
@@ -76,7 +80,7 @@ class SurfaceImages {
     std::vector<std::int32_t> quad_;
     std::vector<double> x_;
     std::vector<Near> near_;
-    std::vector<int> slot_;  // particle -> index in near_, -1 = far
+    std::vector<int> slot_;  // particle -> its first entry in near_, -1 = far
     std::vector<Pair> pairs_;
     double spacing_ = 0;  // [m]
     bool stale_ = false;

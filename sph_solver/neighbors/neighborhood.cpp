@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "sph_solver/simd.hpp"
+
 namespace undertow::sph {
 
 namespace {
@@ -56,6 +58,8 @@ void Neighborhood::sort(Particles& particles) {
     scratch_.resize(std::size_t(n) * reals);
     scratch_id_.resize(n);
     scratch_byte_.resize(n);
+    const bool viscous = !p.viscosity.empty();
+    scratch_float_.resize(viscous ? n : 0);
 #pragma omp parallel
     {
 #pragma omp for schedule(static)
@@ -65,6 +69,7 @@ void Neighborhood::sort(Particles& particles) {
                 scratch_[std::size_t(k) * reals + a] = (*real[a])[from];
             scratch_id_[k] = p.id[from];
             scratch_byte_[k] = p.fluid[from];
+            if (viscous) scratch_float_[k] = p.viscosity[from];
         }
 #pragma omp for schedule(static)
         for (int k = 0; k < n; ++k) {
@@ -72,6 +77,7 @@ void Neighborhood::sort(Particles& particles) {
                 (*real[a])[k] = scratch_[std::size_t(k) * reals + a];
             p.id[k] = scratch_id_[k];
             p.fluid[k] = scratch_byte_[k];
+            if (viscous) p.viscosity[k] = scratch_float_[k];
         }
     }
 }
@@ -115,6 +121,7 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
     for (std::size_t k = 0; k < extras_.size(); ++k) extras_[k] = unsorted_extras_[order_[k]];
 
     records_.resize(fluid_count_ + extras_.size());
+    if (!particles.viscosity.empty()) viscosity_.resize(records_.size());
     const auto pack = [&](Packed& q, double x, double y, double z) {
         q.x = fixed_(x, fixed_.x0), q.y = fixed_(y, fixed_.y0), q.z = fixed_(z, fixed_.z0);
     };
@@ -150,6 +157,32 @@ void Neighborhood::rebuild(Particles& particles, const Plates& plates, const Mir
                        static_cast<int>(fluid_count_ + extras_.size()),
                        static_cast<int>(plate_targets_.size()),
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
+}
+
+void Neighborhood::find_fluids(const Particles& particles) {
+    const int records = static_cast<int>(records_.size()), clusters = fluid_lists_.clusters();
+    record_fluid_.resize(records);
+    fluids_.resize(clusters);
+#pragma omp parallel
+    {
+#pragma omp for schedule(static)
+        for (int j = 0; j < records; ++j) {
+            const bool extra = j >= fluid_count_;
+            const Extra* e = extra ? &extras_[j - fluid_count_] : nullptr;
+            record_fluid_[j] = extra && e->from_plate
+                                   ? 0
+                                   : FluidBits(1u << particles.fluid[extra ? e->source : j]);
+        }
+#pragma omp for schedule(static)
+        for (int c = 0; c < clusters; ++c) {
+            FluidBits held = 0, met = 0;
+            const int end = std::min(fluid_count_, (c + 1) * lanes);
+            for (int i = c * lanes; i < end; ++i) held |= record_fluid_[i];
+            for (const int* at = fluid_lists_.begin(c); at != fluid_lists_.end(c); ++at)
+                met |= record_fluid_[*at];
+            fluids_[c] = {held, FluidBits(held | met)};
+        }
+    }
 }
 
 }  // namespace undertow::sph

@@ -18,6 +18,8 @@ struct Extra {
     bool from_plate;
 };
 
+using FluidBits = std::uint8_t;   // bit k: fluid k
+
 class Neighborhood {
  public:
     /// support: 2h [m]; skin [m]; spacing dx [m].
@@ -26,6 +28,9 @@ class Neighborhood {
 
     /// Sorts the particles (all arrays), finds the extras, and builds all lists.
     void rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
+    /// Finds out which fluids each cluster holds and meets; to be called after a rebuild where there
+    /// are several. Other clusters run as if their fluid were the only one.
+    void find_fluids(const Particles& particles);
 
     bool due(double reach) const { return 2 * reach > skin_; }
     double support() const { return support_; }
@@ -41,6 +46,13 @@ class Neighborhood {
     /// Dummies as targets of plate_lists(), in that order.
     const std::vector<int>& plate_targets() const { return plate_targets_; }
     int fluid_count() const { return fluid_count_; }
+
+    /// Bit k: the cluster holds fluid k; it or its list (dummies left out) holds fluid k.
+    FluidBits held(int cluster) const { return fluids_[cluster].held; }
+    FluidBits met(int cluster) const { return fluids_[cluster].met; }
+    /// Viscosity of each record [Pa s], [records]; empty where no fluid is viscoplastic.
+    std::vector<float>& viscosity() { return viscosity_; }
+    const std::vector<float>& viscosity() const { return viscosity_; }
     int first_extra() const { return fluid_count_; }
 
     /// Calls f(record index) for every record whose cell is within `range` of the point.
@@ -76,6 +88,12 @@ class Neighborhood {
     std::vector<std::uint8_t> scratch_byte_;
     std::vector<PlaneMask> masks_;
     ClusterLists fluid_lists_, plate_lists_;
+    struct ClusterFluids {
+        FluidBits held, met;
+    };
+    std::vector<ClusterFluids> fluids_;        // [clusters]
+    std::vector<FluidBits> record_fluid_;      // one bit, none for a dummy, [records]
+    std::vector<float> viscosity_, scratch_float_;
 };
 
 }  // namespace undertow::sph

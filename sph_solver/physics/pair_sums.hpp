@@ -18,20 +18,34 @@ struct PairPhysics {
     double artificial_viscosity = 0;  // alpha
     double density_diffusion = 0;     // delta
     Vec3 gravity{};                   // [m/s2]
-    FluidLaw fluid;
+    std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
+
+    bool viscoplastic() const {
+        for (const FluidLaw& f : fluids)
+            if (f.viscoplastic()) return true;
+        return false;
+    }
+    /// Clusters must be told apart by what they hold and meet (Neighborhood::find_fluids).
+    bool mixed() const { return fluids.size() > 1 || viscoplastic(); }
 };
 
 /// Writes particles.drho_dt (rate), particles.ax, ay, az (force) or both from the packed records.
+/// With forces it also finds the shear rate of viscoplastic particles, and from it
+/// particles.viscosity, which the next pack shows to neighbors.
 void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
                         Particles& particles);
 
 /// The same in double precision, one pair at a time: the readable reference of the fast loop.
-void sum_over_neighbors_reference(const PairPhysics& physics, const Neighborhood& neighbors,
-                                  Particles& particles, std::vector<double>& rate,
-                                  std::vector<Vec3>& acceleration);
+struct ReferenceSums {
+    std::vector<double> rate;         // [kg/m3/s], [n]
+    std::vector<Vec3> acceleration;   // [m/s2], [n]
+    std::vector<double> shear_rate;   // [1/s], [n], of all particles
+};
+ReferenceSums sum_over_neighbors_reference(const PairPhysics& physics,
+                                           const Neighborhood& neighbors);
 
-/// Normal force of the fluid on each mirror plane, positive against the fluid's side, from the pairs
-/// of particles with images: -sum_i m_i a_i . n_k.  [N], [planes]
+/// Normal force of each fluid on each mirror plane, positive against the fluid's side, from the pairs
+/// of particles with images: -sum_i m_i a_i . n_k.  [N], [planes, fluids]
 std::vector<double> plane_forces(const PairPhysics& physics, const Neighborhood& neighbors,
                                  const MirrorPlanes& mirror);
 

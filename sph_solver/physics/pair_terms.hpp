@@ -1,6 +1,6 @@
 #pragma once
 // The physics of one pair i, j, one line per term, on any number type: float8 (eight i against one j),
-// float and double (reference). Sums leave out constants, which `finish` in pair_sums.cpp applies.
+// float and double (reference). Sums leave out constants, which pair_factors.hpp applies.
 //
 //   continuity      d(rho_i)/dt = rho_i sum_j V_j v_ij . grad_i W_ij        [Wang 2024, Eq. 5, V = m/rho]
 //   diffusion       + 2 delta h c0 sum_j V_j [(rho_j - rho_i) - hydrostatic part] (-F)
@@ -8,41 +8,84 @@
 //   pressure        dv_i/dt = -1/rho_i sum_j V_j (p_i + p_j) grad_i W_ij   volume-symmetric form of Eq. 6
 //   art. viscosity  p_i + p_j gains -alpha h c0 rho0 min(0, v_ij.x_ij)/r^2         [Monaghan 1992]
 //   viscosity       dv_i/dt += 1/rho_i sum_j V_j 2 mu (x_ij . grad_i W_ij)/r^2 v_ij    [Morris 1997]
+//   shear rate      grad v_i = [sum_j V_j (v_j - v_i) grad_i W_ij] [sum_j V_j (x_j - x_i) grad_i W_ij]^-1
 // with x_ij = x_i - x_j, v_ij = v_i - v_j, grad_i W_ij = -scale F x_ij.
+//
+// Between two fluids: V and rho of each particle's own; c0 rho0 of the artificial viscosity is the
+// mean of the two; mu their harmonic mean, which keeps the shear stress steady across the interface
+// [Cleary & Monaghan 1999]; no density diffusion.
 
 #include "sph_solver/simd.hpp"
 
 namespace undertow::sph {
 
+/// What the pair loop of a cluster must tell apart. The first is the whole loop of most scenes and of
+/// most clusters in all others.
+enum class Content {
+    one_fluid,      // Newtonian, the same for all
+    several,        // of constant viscosities
+    viscoplastic,   // viscosities differ from particle to particle
+    sheared,        // and this cluster needs its own shear rate
+};
+
 template <class Scalar>
 struct PairConstants {
     Scalar inverse_h;       // [1/unit]
     Scalar tiny;            // [unit^2] keeps r > 0 for a particle and itself
-    Scalar shock;           // alpha h c0 rho0 / unit [Pa s]: artificial viscosity
-    Scalar gx, gy, gz;      // rho0 g unit [Pa/unit]: hydrostatic part of the pressure difference
+    Scalar shock;           // alpha h c0 rho0 / unit [Pa s]: artificial viscosity of one_fluid
+    Scalar gx, gy, gz;      // rho0 g unit [Pa/unit]: hydrostatic part of the pressure difference;
+                            // g unit where there are several fluids
 };
 
 /// What particle i shows of itself.
 template <class Real>
 struct Own {
     Real vx, vy, vz, p;
+    Real rho0{}, mu{};      // [kg/m3], [Pa s]; unused by one_fluid
+};
+
+/// What i has in common with any particle of one fluid.
+template <class Real>
+struct Meeting {
+    Real same;              // 1 if it is i's own fluid, else 0
+    Real shock;             // alpha h (mean of c0 rho0) / unit [Pa s]
+    Real mu;                // harmonic mean of the constant viscosities [Pa s]
 };
 
 template <class Real>
 struct PairSums {
     Real ax{}, ay{}, az{};  // sum V F P x_ij
-    Real lx{}, ly{}, lz{};  // sum V F v_ij
+    Real lx{}, ly{}, lz{};  // sum V F v_ij; where there are several fluids sum V F mu v_ij
     Real divergence{};      // sum V F v_ij . x_ij
     Real diffusion{};       // sum V F (p_j - p_i + rho0 g . x_ij)
 };
 
+/// Sums V F v_ij x_ij and V F x_ij x_ij.
+template <class Real>
+struct ShearSums {
+    Real vxx{}, vxy{}, vxz{}, vyx{}, vyy{}, vyz{}, vzx{}, vzy{}, vzz{};
+    Real xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
+};
+
 enum class Terms { rate, force, both };
 
-template <class KernelLaw, Terms terms, class Real, class Scalar, class Neighbor>
+/// 2 a b/(a + b); 0 if both are.
+template <class Real, class Other>
+inline Real harmonic_mean(Real a, Other b) {
+    return (a * b) * precise_reciprocal((a + b) * 0.5f + 1e-30f);
+}
+
+/// with, mu_j and shear are not looked at unless `content` says so.
+template <class KernelLaw, Terms terms, Content content = Content::one_fluid, class Real,
+          class Scalar, class Neighbor>
 inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>& c,
                                                     const Own<Real>& i, Real dx, Real dy, Real dz,
-                                                    const Neighbor& j, PairSums<Real>& sum) {
+                                                    const Neighbor& j, PairSums<Real>& sum,
+                                                    const Meeting<Real>* with = nullptr,
+                                                    Scalar mu_j = 0,
+                                                    ShearSums<Real>* shear = nullptr) {
     constexpr bool rate = terms != Terms::force, force = terms != Terms::rate;
+    constexpr bool mixed = content != Content::one_fluid;
     const Real r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
     const Real F = KernelLaw::gradient_factor(r2, c.inverse_h) * Scalar(j.volume);
     const Real vx = i.vx - Scalar(j.vx), vy = i.vy - Scalar(j.vy), vz = i.vz - Scalar(j.vz);
@@ -50,17 +93,36 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
     if constexpr (rate) {
         const Real hydrostatic = c.gx * dx + c.gy * dy + c.gz * dz;
         sum.divergence += F * approach;
-        sum.diffusion += F * ((Scalar(j.p) - i.p) + hydrostatic);
+        if constexpr (mixed)
+            sum.diffusion += (F * with->same) * ((Scalar(j.p) - i.p) + i.rho0 * hydrostatic);
+        else
+            sum.diffusion += F * ((Scalar(j.p) - i.p) + hydrostatic);
     }
     if constexpr (force) {
-        const Real P = (i.p + Scalar(j.p)) - (negative_part(approach) * reciprocal(r2)) * c.shock;
+        const Real closing = negative_part(approach) * reciprocal(r2);
+        Real P = i.p + Scalar(j.p);
+        Real FV = F;
+        if constexpr (mixed) {
+            P -= closing * with->shock;
+            FV *= content == Content::several ? with->mu : harmonic_mean(i.mu, mu_j);
+        } else {
+            P -= closing * c.shock;
+        }
         const Real FP = F * P;
         sum.ax += FP * dx;
         sum.ay += FP * dy;
         sum.az += FP * dz;
-        sum.lx += F * vx;
-        sum.ly += F * vy;
-        sum.lz += F * vz;
+        sum.lx += FV * vx;
+        sum.ly += FV * vy;
+        sum.lz += FV * vz;
+        if constexpr (content == Content::sheared) {
+            const Real Fx = F * dx, Fy = F * dy, Fz = F * dz;
+            shear->vxx += vx * Fx, shear->vxy += vx * Fy, shear->vxz += vx * Fz;
+            shear->vyx += vy * Fx, shear->vyy += vy * Fy, shear->vyz += vy * Fz;
+            shear->vzx += vz * Fx, shear->vzy += vz * Fy, shear->vzz += vz * Fz;
+            shear->xx += dx * Fx, shear->xy += dx * Fy, shear->xz += dx * Fz;
+            shear->yy += dy * Fy, shear->yz += dy * Fz, shear->zz += dz * Fz;
+        }
     }
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 // Stable step of the fluid.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "case/case.hpp"
-#include "sph_solver/physics/pair_sums.hpp"
 
 namespace undertow::sph {
 
@@ -22,19 +22,44 @@ inline double default_cfl(Integrator integrator, double h_over_dx) {
     return (integrator == Integrator::two_pass ? 0.9 : 0.25) / h_over_dx;
 }
 
+/// cfl of the acoustic limit: the case's, or the safe value of its integrator (`auto` may take two
+/// passes).
+inline double acoustic_cfl(const SphSettings& sph) {
+    if (sph.cfl > 0) return sph.cfl;
+    return default_cfl(sph.integrator == Integrator::one_pass ? Integrator::one_pass
+                                                              : Integrator::two_pass,
+                       sph.smoothing_ratio);
+}
+
+constexpr double viscous_cfl = 0.125;   // of h^2 rho/mu  [Morris 1997]
+
+/// What limits a step.
+struct StepLimits {
+    double h;                         // smoothing length [m]
+    double c0;                        // largest of the fluids [m/s]
+    double max_speed;                 // [m/s]
+    double max_acceleration;          // [m/s2]
+    double max_kinematic_viscosity;   // largest mu/rho0 anywhere [m2/s]
+};
+
 /// dt = min( cfl h/(c0 + |v|), lambda' sqrt(h/|a|), h^2 rho/(8 mu) )   [Wang 2024, Eq. 14, with the
 /// acoustic and viscous limits it leaves out; Morris 1997]
-inline StableStep stable_step(const PairPhysics& physics, double cfl, double force_cfl,
-                              double max_speed, double max_acceleration) {
-    const double h = physics.h;
-    StableStep step{cfl * h / (physics.fluid.c0 + max_speed), "sound"};
-    const double force = force_cfl * std::sqrt(h / std::max(max_acceleration, 1e-300));
+inline StableStep stable_step(const StepLimits& of, double cfl, double force_cfl) {
+    StableStep step{cfl * of.h / (of.c0 + of.max_speed), "sound"};
+    const double force = force_cfl * std::sqrt(of.h / std::max(of.max_acceleration, 1e-300));
     if (force < step.dt) step = {force, "force"};
-    if (physics.fluid.mu > 0) {
-        const double viscous = 0.125 * h * h * physics.fluid.rho0 / physics.fluid.mu;
+    if (of.max_kinematic_viscosity > 0) {
+        const double viscous = viscous_cfl * of.h * of.h / of.max_kinematic_viscosity;
         if (viscous < step.dt) step = {viscous, "viscosity"};
     }
     return step;
+}
+
+/// The viscosity whose limit is the acoustic one of fluid at rest: a larger one would shorten steps.
+/// [Pa s]
+inline double largest_free_viscosity(const SphSettings& sph, double rho0, double c0) {
+    const double h = sph.smoothing_ratio * sph.spacing;
+    return viscous_cfl * rho0 * h * c0 / acoustic_cfl(sph);
 }
 
 }  // namespace undertow::sph

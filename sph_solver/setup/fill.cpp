@@ -5,61 +5,32 @@
 
 #include <fmt/format.h>
 
+#include "sph_solver/setup/fill_plan.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::sph {
 
-double expected_speed(const Case& input) {
-    if (input.sph.max_speed > 0) return input.sph.max_speed;
-    double low = 1e300, high = -1e300, speed = 0;
-    for (const Fill& f : input.sph.fill) {
-        low = std::min(low, f.box.min[2]);
-        high = std::max(high, f.surface_level.value_or(f.box.max[2]));
-        speed = std::max(speed, std::hypot(f.velocity[0], f.velocity[1], f.velocity[2]));
-    }
-    const Vec3& g = input.info.gravity;
-    const double fall = std::hypot(g[0], g[1], g[2]) * std::max(0.0, high - low);
-    const double expected = 2 * std::sqrt(fall) + speed;
-    if (!(expected > 0))
-        throw InputError(fmt::format(
-            "{}: sph.fluid.sound_speed = \"auto\" needs sph.max_speed, the largest expected speed "
-            "[m/s]: without gravity and initial velocity it cannot be estimated.", input.file));
-    return expected;
-}
-
-FluidLaw resolve_fluid(const Case& input) {
-    if (input.sph.fluid.size() != 1)
-        throw InputError(fmt::format(
-            "{}: sph.fluid: {} fluids given; this version computes exactly one.", input.file,
-            input.sph.fluid.size()));
-    const Fluid& f = input.sph.fluid.front();
-    FluidLaw law;
-    law.rho0 = f.density;
-    law.mu = f.viscosity;
-    law.c0 = f.sound_speed ? *f.sound_speed : 10 * expected_speed(input);
-    law.equation_of_state = f.equation_of_state;
-    law.us_up = {law.rho0, law.c0, f.hugoniot_slope, f.gruneisen};
-    law.tait = {law.rho0, law.c0, f.tait_exponent};
-    const double dx = input.sph.spacing;
-    law.volume = input.info.dimension == 3 ? dx * dx * dx : dx * dx;
-    law.mass = law.rho0 * law.volume * (input.info.dimension == 3 ? 1 : input.info.thickness);
-    return law;
-}
-
-Particles fill_particles(const Case& input, const FluidLaw& fluid) {
+Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     const double dx = input.sph.spacing;
     const bool flat = input.info.dimension == 2;
-    const double g = -input.info.gravity[2];
-    Particles particles;
-    std::size_t total = 0;
+    const double g = std::max(0.0, -input.info.gravity[2]);
+    const FillPlan plan(input);
+    std::vector<double> density;
+    for (const FluidLaw& f : fluids) density.push_back(f.rho0);
+    Filled filled;
+    Particles& particles = filled.particles;
+    std::size_t i = 0;
     for (std::size_t k = 0; k < input.sph.fill.size(); ++k) {
         const Fill& f = input.sph.fill[k];
-        int n[3];
+        const FluidLaw& fluid = fluids[plan.fluid(static_cast<int>(k))];
+        const Vec3 behind = ramp_distance(f);
+        int n[3], first[3];   // cells in the box, and from its corner to where it starts
         for (int a = 0; a < 3; ++a) {
             const double cells = (f.box.max[a] - f.box.min[a]) / dx;
             n[a] = static_cast<int>(std::lround(cells));
+            first[a] = -static_cast<int>(std::lround(behind[a] / dx));
             if (flat && a == 1) {
-                n[a] = 1;
+                n[a] = 1, first[a] = 0;
                 continue;
             }
             if (n[a] < 1 || std::abs(cells - n[a]) > 0.01)
@@ -69,30 +40,36 @@ Particles fill_particles(const Case& input, const FluidLaw& fluid) {
                     f.box.max[a] - f.box.min[a], "xyz"[a], cells, dx, std::floor(cells) * dx,
                     std::ceil(cells) * dx));
         }
-        const double surface = f.surface_level.value_or(f.box.max[2]);
-        particles.resize(total + std::size_t(n[0]) * n[1] * n[2]);
-        std::size_t i = total;
+        filled.first_id.push_back(static_cast<std::int64_t>(i));
+        particles.resize(i + std::size_t(n[0]) * n[1] * n[2]);
         for (int ix = 0; ix < n[0]; ++ix)
             for (int iy = 0; iy < n[1]; ++iy)
-                for (int iz = 0; iz < n[2]; ++iz, ++i) {
-                    particles.x[i] = f.box.min[0] + (ix + 0.5) * dx;
-                    particles.y[i] = flat ? 0 : f.box.min[1] + (iy + 0.5) * dx;
-                    particles.z[i] = f.box.min[2] + (iz + 0.5) * dx;
-                    particles.vx[i] = f.velocity[0];
-                    particles.vy[i] = flat ? 0 : f.velocity[1];
-                    particles.vz[i] = f.velocity[2];
-                    const double depth = std::max(0.0, surface - particles.z[i]);
-                    particles.drho[i] = fluid.deviation_at(fluid.rho0 * std::max(0.0, g) * depth);
+                for (int iz = 0; iz < n[2]; ++iz) {
+                    Vec3 x{f.box.min[0] + (first[0] + ix + 0.5) * dx,
+                           flat ? 0 : f.box.min[1] + (first[1] + iy + 0.5) * dx,
+                           f.box.min[2] + (first[2] + iz + 0.5) * dx};
+                    if (plan.owner(x) != static_cast<int>(k)) continue;
+                    const double pressure = plan.pressure_at(x, density, g);
+                    if (!plan.clear_obstacles(x)) continue;
+                    const bool at_once = f.ramp == 0;
+                    particles.x[i] = x[0], particles.y[i] = x[1], particles.z[i] = x[2];
+                    particles.vx[i] = at_once ? f.velocity[0] : 0;
+                    particles.vy[i] = at_once && !flat ? f.velocity[1] : 0;
+                    particles.vz[i] = at_once ? f.velocity[2] : 0;
+                    particles.drho[i] = fluid.deviation_at(pressure);
+                    particles.fluid[i] = static_cast<std::uint8_t>(plan.fluid(static_cast<int>(k)));
                     particles.id[i] = static_cast<std::int64_t>(i);
+                    ++i;
                 }
-        total = i;
+        particles.resize(i);
     }
-    if (total == 0)
+    filled.first_id.push_back(static_cast<std::int64_t>(i));
+    if (i == 0)
         throw InputError(fmt::format("{}: sph.fill: no particles; add a [[sph.fill]].", input.file));
-    if (total > 2000000000u / 8)
+    if (i > 2000000000u / 8)
         throw InputError(fmt::format("{}: {} particles are more than this version can index.",
-                                     input.file, total));
-    return particles;
+                                     input.file, i));
+    return filled;
 }
 
 }  // namespace undertow::sph

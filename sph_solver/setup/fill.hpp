@@ -7,15 +7,15 @@
 
 namespace undertow::sph {
 
-/// Largest expected speed [m/s]: sph.max_speed, or 2 sqrt(g H) of the fills' total height plus the
-/// largest initial speed (the tip of a dam break on a dry bed, Ritter 1892).
-double expected_speed(const Case& input);
+struct Filled {
+    Particles particles;
+    std::vector<std::int64_t> first_id;   // [fills + 1] identities of each fill's particles: from its
+                                          // entry to the next
+};
 
-/// Constants of the (single) fluid; throws InputError when the case has none or more than one.
-FluidLaw resolve_fluid(const Case& input);
-
-/// Particles in the middle of cubic cells of all fills, with hydrostatic pressure below
-/// `surface_level`. A box must hold a whole number of cells to 1 % of a spacing, else InputError.
-Particles fill_particles(const Case& input, const FluidLaw& fluid);
+/// Particles in the middle of cubic cells of all fills as FillPlan deals out the places, under the
+/// pressure of what lies above them. fluids: in the order of [[sph.fluid]]. InputError: a box must
+/// hold a whole number of cells to 1 % of a spacing.
+Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids);
 
 }  // namespace undertow::sph

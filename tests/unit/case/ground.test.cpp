@@ -38,6 +38,9 @@ surface = 0
 [fem.settle]
 [[fem.absorbing]]
 set = "xmin"
+[[fem.absorbing]]
+set = "xmax"
+center = [1, 0, -2]
 [[fem.rigid]]
 name = "bucket"
 set = "block"
@@ -57,6 +60,9 @@ gap = 0.005
     CHECK(c.fem.geostatic->earth_pressure == 1);
     REQUIRE(c.fem.settle);
     CHECK(c.fem.absorbing[0].set == "xmin");
+    CHECK_FALSE(c.fem.absorbing[0].center);
+    REQUIRE(c.fem.absorbing[1].center);
+    CHECK(c.fem.absorbing[1].center->at(2) == -2);
     CHECK(c.fem.rigid[0].free == std::vector<std::string>{"x", "z", "ry"});
     CHECK(c.fem.contact[0].friction == 0.328);
 }

@@ -69,6 +69,33 @@ TEST_CASE("a block that nothing holds falls g t^2/2, and the files say so") {
     CHECK(std::filesystem::exists(folder.path / "fem.vtkhdf"));
 }
 
+TEST_CASE("soil brings its columns and its field, a far field its energy; others have none of it") {
+    const RunFolder folder;
+    Case c = falling_block();
+    c.time.end = 0.01;
+    const bool soil = GENERATE(true, false);
+    if (soil) {
+        c.fem.material[0].kind = MaterialKind::tresca;
+        c.fem.material[0].shear_strength = 1e3;
+        c.fem.geostatic = FemGeostatic{"block", 0.1, 1};
+        c.fem.absorbing = {{"zmin"}};
+        c.fem.pressure = {{"zmax", 4e3, 0.001}};  // twice what it can bear
+    }
+    Structure structure(build_model(c), 1);
+    const auto link = run_alone(c);
+    CHECK(run(c, folder, structure, *link));
+    CHECK((structure.yielding_elements() > 0) == soil);
+    const std::string energy = folder.read("energy.fem.csv");
+    CHECK((energy.find(",plastic [J],far field [J],external work [J]") != std::string::npos) ==
+          soil);
+    const std::string history = folder.read("fem.history.csv");
+    CHECK((history.find("yielding elements") != std::string::npos) == soil);
+    CHECK((folder.read("fem.xdmf").find("plastic_strain") != std::string::npos) == soil);
+    const Energies e = structure.energies();
+    CHECK((e.plastic > 0 && e.far_field > 0) == soil);
+    CHECK(std::abs(e.balance_error()) < 0.01 * (e.kinetic + e.plastic + e.far_field));
+}
+
 TEST_CASE("a load far too large ends in a sentence that names element and time") {
     const RunFolder folder;
     Case c = falling_block();

@@ -38,15 +38,13 @@ TEST_CASE("both laws have the sound speed they were given") {
 }
 
 TEST_CASE("the stable step names the strictest of sound, force and viscosity") {
-    PairPhysics p;
-    p.h = 0.012;
-    p.fluid.c0 = 34, p.fluid.rho0 = 1000, p.fluid.mu = 1e-3;
-    CHECK(std::string(stable_step(p, 1, 0.25, 0, 0).limiter) == "sound");
-    CHECK(stable_step(p, 1, 0.25, 6, 0).dt == Approx(0.012 / 40));
-    CHECK(std::string(stable_step(p, 1, 0.25, 0, 1e6).limiter) == "force");
-    CHECK(stable_step(p, 1, 0.25, 0, 1e6).dt == Approx(0.25 * std::sqrt(0.012 / 1e6)));
-    p.fluid.mu = 1000;
-    CHECK(std::string(stable_step(p, 1, 0.25, 0, 0).limiter) == "viscosity");
+    const double h = 0.012, c0 = 34, nu = 1e-6;
+    CHECK(std::string(stable_step({h, c0, 0, 0, nu}, 1, 0.25).limiter) == "sound");
+    CHECK(stable_step({h, c0, 6, 0, nu}, 1, 0.25).dt == Approx(0.012 / 40));
+    CHECK(std::string(stable_step({h, c0, 0, 1e6, nu}, 1, 0.25).limiter) == "force");
+    CHECK(stable_step({h, c0, 0, 1e6, nu}, 1, 0.25).dt == Approx(0.25 * std::sqrt(0.012 / 1e6)));
+    CHECK(std::string(stable_step({h, c0, 0, 0, 1}, 1, 0.25).limiter) == "viscosity");
+    CHECK(stable_step({h, c0, 0, 0, 1}, 1, 0.25).dt == Approx(h * h / 8));
 }
 
 TEST_CASE("the law of the wall is laminar close to the wall, turbulent far from it, and continuous") {

@@ -41,9 +41,7 @@ TEST_CASE("the fast sums agree with the reference in double precision") {
     const Kernel kernel = GENERATE(Kernel::wendland_c2, Kernel::cubic_spline);
     FluidSystem fluid = disturbed_blob(kernel, GENERATE(2, 3));
     fluid.sum_over_neighbors(Terms::both);
-    std::vector<double> rate;
-    std::vector<Vec3> a;
-    sum_over_neighbors_reference(fluid.physics(), fluid.neighbors(), fluid.particles, rate, a);
+    const auto [rate, a, shear] = sum_over_neighbors_reference(fluid.physics(), fluid.neighbors());
     double largest_rate = 0, largest_a = 0, rate_error = 0, a_error = 0;
     for (std::size_t i = 0; i < rate.size(); ++i) {
         largest_rate = std::max(largest_rate, std::abs(rate[i]));

@@ -1,6 +1,7 @@
 #pragma once
 // Small scenes for the tests.
 
+#include <cmath>
 #include <random>
 
 #include "sph_solver/fluid_system.hpp"
@@ -40,6 +41,25 @@ inline void add_basin(Case& input, const Vec3& size) {
     }
 }
 
+/// Water over the slide of the bucket scene, `lower` m deep; Newtonian or Herschel-Bulkley.
+inline Case two_layers(double dx, const Vec3& size, double lower, bool viscoplastic,
+                       int dimension = 3) {
+    Case input = water_box(dx, size, dimension);
+    Fluid slide;
+    slide.name = "slide";
+    slide.density = 1681;
+    if (viscoplastic)
+        slide.yield_stress = 7.3, slide.consistency = 3, slide.flow_index = 0.35;
+    else
+        slide.viscosity = 2;
+    input.sph.fluid.push_back(slide);
+    Fill low;
+    low.fluid = "slide";
+    low.box = {{0, 0, 0}, {size[0], size[1], lower}};
+    input.sph.fill.push_back(low);   // it has the place
+    return input;
+}
+
 /// Moves every particle by up to `share` of a spacing and gives it a random velocity and pressure.
 inline void disturb(FluidSystem& fluid, double share, double speed, double pressure) {
     std::mt19937 random(7);
@@ -53,7 +73,7 @@ inline void disturb(FluidSystem& fluid, double share, double speed, double press
         p.vx[i] += speed * in(random);
         if (!flat) p.vy[i] += speed * in(random);
         p.vz[i] += speed * in(random);
-        p.drho[i] += pressure * in(random) / (fluid.fluid().c0 * fluid.fluid().c0);
+        p.drho[i] += pressure * in(random) / std::pow(fluid.fluid_of(i).c0, 2);
     }
 }
 

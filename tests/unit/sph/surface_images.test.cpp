@@ -120,6 +120,69 @@ TEST_CASE("the work of the images' forces is that of their density rates") {
     CHECK(kinetic + stored == Approx(0).margin(1e-4 * std::abs(kinetic)));  // float32 sums
 }
 
+namespace {
+
+/// Water over 20 mm of the slide: the interface is so near to the floor that images of both are within reach.
+FluidSystem layered_basin(bool of_facets, bool sides, bool viscoplastic) {
+    Case input = scenes::two_layers(dx, size, 0.02, viscoplastic);
+    input.info.gravity = {0, 0, 0};   // continued differently: see the test for one fluid
+    input.sph.max_speed = 3;
+    scenes::add_basin(input, size);
+    if (!sides) input.sph.plane.resize(1);
+    if (of_facets) input.sph.plane.erase(input.sph.plane.begin());
+    input.sph.artificial_viscosity = 0.1;
+    FluidSystem fluid(input, 0.2);
+    if (of_facets) lay_floor(fluid, size);
+    scenes::disturb(fluid, 0.05, 0.1, 500);
+    return fluid;
+}
+
+}  // namespace
+
+TEST_CASE("behind a flat surface under two fluids the images are those of a mirror plane") {
+    const bool viscoplastic = GENERATE(false, true);
+    FluidSystem plane = layered_basin(false, true, viscoplastic),
+                facets = layered_basin(true, true, viscoplastic);
+    hold_first_layer(plane);
+    hold_first_layer(facets);
+    sum(plane);
+    sum(facets);
+    const Particles &p = plane.particles, &f = facets.particles;
+    double rate = 0, a_error = 0, largest_rate = 0, largest_a = 0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+        const int i = plane.index_of(std::int64_t(a)), k = facets.index_of(std::int64_t(a));
+        largest_rate = std::max(largest_rate, double(std::abs(p.drho_dt[i])));
+        largest_a = std::max(largest_a, double(std::abs(p.az[i])));
+        rate = std::max(rate, double(std::abs(p.drho_dt[i] - f.drho_dt[k])));
+        a_error = std::max(a_error, double(std::hypot(p.ax[i] - f.ax[k], p.ay[i] - f.ay[k])));
+        if (p.z[i] > dx) a_error = std::max(a_error, double(std::abs(p.az[i] - f.az[k])));
+    }
+    CHECK(rate < 1e-5 * largest_rate);
+    CHECK(a_error < 1e-4 * largest_a);
+}
+
+TEST_CASE("the images behind a surface leave the momentum of two fluids unchanged") {
+    FluidSystem with = layered_basin(true, false, true), without = layered_basin(true, false, true);
+    without.place_surface({}, {});
+    // a disordered first layer of both fluids
+    for (FluidSystem* fluid : {&with, &without})
+        for (std::size_t i = 0; i < fluid->particles.size(); i += 3) fluid->particles.fluid[i] = 0;
+    sum(with);
+    sum(without);
+    REQUIRE(with.surface().pairs() > 0);
+    double change[3] = {0, 0, 0}, largest = 0;
+    const Particles &a = with.particles, &b = without.particles;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double m = with.fluid_of(i).mass;
+        const double d[3] = {double(a.ax[i]) - b.ax[i], double(a.ay[i]) - b.ay[i],
+                             double(a.az[i]) - b.az[i]};
+        for (int c = 0; c < 3; ++c) change[c] += m * d[c];
+        largest += m * std::hypot(d[0], d[1], d[2]);
+    }
+    REQUIRE(largest > 0.1);  // [N]
+    for (const double component : change) CHECK(std::abs(component) < 1e-6 * largest);  // float32
+}
+
 TEST_CASE("a dry surface has no images: what arrives is not compressed before it touches") {
     FluidSystem near = basin(true), far = basin(true);
     far.place_surface({}, {});

@@ -1,0 +1,53 @@
+#include "fem_solver/boundary/static_water.hpp"
+
+#include <algorithm>
+
+namespace undertow::fem {
+namespace {
+
+std::vector<std::int32_t> nodes_of(const std::vector<Quad>& facets) {
+    std::vector<std::int32_t> nodes;
+    for (const Quad& q : facets) nodes.insert(nodes.end(), q.begin(), q.end());
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
+}
+
+}  // namespace
+
+StaticWater::StaticWater(const std::vector<Quad>& facets, double weight_density, double level)
+    : load(nodes_of(facets)), facets_(facets), weight_density_(weight_density), level_(level) {
+    for (Quad& q : facets_)
+        for (std::int32_t& n : q)
+            n = std::int32_t(std::lower_bound(load.node.begin(), load.node.end(), n) -
+                             load.node.begin());
+}
+
+void StaticWater::evaluate(const NodeRows& x) {
+    std::fill(load.force.begin(), load.force.end(), NodeRow{});
+    // shape function, pressure and area vector have degree 3 at most in each of xi, eta: 2 x 2
+    // points are exact
+    constexpr double g = 0.57735026918962576;  // 1/sqrt 3
+    constexpr double xi[4] = {-g, g, g, -g}, eta[4] = {-g, -g, g, g};
+    for (const Quad& q : facets_) {
+        const Row a = as_row(x[load.node[q[0]]]), b = as_row(x[load.node[q[1]]]);
+        const Row c = as_row(x[load.node[q[2]]]), d = as_row(x[load.node[q[3]]]);
+        const Row e1 = 0.25 * ((b - a) + (c - d)), e2 = 0.25 * ((d - a) + (c - b));
+        const Row h = 0.25 * ((a - b) + (c - d)), middle = 0.25 * ((a + b) + (c + d));
+        for (int k = 0; k < 4; ++k) {
+            const Row along_xi = e1 + eta[k] * h, along_eta = e2 + xi[k] * h;
+            const double z = middle[2] + xi[k] * e1[2] + eta[k] * e2[2] + xi[k] * eta[k] * h[2];
+            const double p = weight_density_ * std::max(0.0, level_ - z);
+            const Row u = __builtin_shufflevector(along_xi, along_xi, 1, 2, 0, 3);
+            const Row v = __builtin_shufflevector(along_eta, along_eta, 1, 2, 0, 3);
+            const Row zxy = along_xi * v - u * along_eta;  // cross product in the order z, x, y
+            const Row pull = p * __builtin_shufflevector(zxy, zxy, 1, 2, 0, 3);
+            constexpr double corner_xi[4] = {-1, 1, 1, -1}, corner_eta[4] = {-1, -1, 1, 1};
+            for (int I = 0; I < 4; ++I)
+                as_row(load.force[q[I]]) +=
+                    0.25 * (1 + corner_xi[I] * xi[k]) * (1 + corner_eta[I] * eta[k]) * pull;
+        }
+    }
+}
+
+}  // namespace undertow::fem

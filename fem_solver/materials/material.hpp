@@ -1,0 +1,28 @@
+#pragma once
+// The laws a part can follow. An element's kernel is compiled once for each.
+
+#include <variant>
+
+#include "fem_solver/materials/linear_elastic.hpp"
+#include "fem_solver/materials/tresca.hpp"
+
+namespace undertow::fem {
+
+using Material = std::variant<LinearElastic, Tresca>;
+
+inline const LinearElastic& elastic_moduli(const LinearElastic& law) {
+    return law;
+}
+inline const LinearElastic& elastic_moduli(const Tresca& law) {
+    return law.elastic;
+}
+/// The moduli of small strains, which set wave speeds and the stable step.
+inline const LinearElastic& elastic_moduli(const Material& material) {
+    return std::visit([](const auto& law) -> const LinearElastic& { return elastic_moduli(law); },
+                      material);
+}
+inline bool is_plastic(const Material& material) {
+    return std::visit([](const auto& law) { return law.plastic; }, material);
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,131 @@
+#include "fem_solver/setup/ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "wire/errors.hpp"
+#include "wire/number_text.hpp"
+
+namespace undertow::fem {
+namespace {
+
+double vertical_gravity(const Case& c, const std::string& key) {
+    const Vec3& g = c.info.gravity;
+    if (g[0] != 0 || g[1] != 0 || !(g[2] < 0))
+        throw InputError(key + " takes z as up, but case.gravity = [" + number_text(g[0]) + ", " +
+                         number_text(g[1]) + ", " + number_text(g[2]) +
+                         "] is not along -z; turn the scene.");
+    return -g[2];
+}
+
+Quad sorted(Quad q) {
+    std::sort(q.begin(), q.end());
+    return q;
+}
+
+struct FarFacet {
+    AbsorbingFacet facet;
+    std::optional<Vec3> center;  // [m] where the loads act
+};
+
+double distance_to_center(const Quad& q, const std::vector<Vec3>& x, const Vec3& center) {
+    double squared = 0;
+    for (int d = 0; d < 3; ++d)
+        squared +=
+            std::pow(0.25 * (x[q[0]][d] + x[q[1]][d] + x[q[2]][d] + x[q[3]][d]) - center[d], 2);
+    return std::sqrt(squared);
+}
+
+std::vector<int> part_of_elements(const Mesh& mesh, const std::vector<Part>& parts) {
+    std::vector<int> part_of(mesh.hexahedra.size(), -1);
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        for (std::int32_t e : parts[p].elements) part_of[e] = int(p);
+    return part_of;
+}
+
+}  // namespace
+
+std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
+                                            const std::vector<Part>& parts) {
+    if (!c.fem.geostatic) return {};
+    const FemGeostatic& ground = *c.fem.geostatic;
+    const double g = vertical_gravity(c, "fem.geostatic"), K0 = ground.earth_pressure;
+    const std::vector<int> part_of = part_of_elements(mesh, parts);
+    std::vector<InitialStress> all;
+    for (std::int32_t e : mesh.elements_of(ground.set, "fem.geostatic")) {
+        if (part_of[e] < 0) continue;  // nothing that could be stressed
+        const Part& part = parts[part_of[e]];
+        double z = 0;
+        for (std::int32_t n : mesh.hexahedra[e]) z += mesh.x[n][2] / 8;
+        if (z > ground.surface)
+            throw InputError("fem.geostatic: " + mesh.element_name(e) +
+                             " at z = " + number_text(z) + " m lies above surface = " +
+                             number_text(ground.surface) + " m; raise it or shrink the set.");
+        const double vertical =
+            -part.weight_density.value_or(part.density) * g * (ground.surface - z);
+        const double horizontal = K0 * vertical;
+        if (const Tresca* law = std::get_if<Tresca>(&part.material))
+            if (std::abs(vertical - horizontal) > 2 * law->shear_strength)
+                throw InputError(
+                    "fem.geostatic: at z = " + number_text(z) + " m (" + mesh.element_name(e) +
+                    ") earth_pressure = " + number_text(K0) + " asks for a shear stress of " +
+                    number_text(std::abs(vertical - horizontal) / 2) +
+                    " Pa, beyond shear_strength = " + number_text(law->shear_strength) +
+                    " Pa; bring earth_pressure nearer to 1.");
+        all.push_back({e, {horizontal, horizontal, vertical, 0, 0, 0}});
+    }
+    return all;
+}
+
+AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
+                                 const std::vector<Part>& parts) {
+    if (fem.absorbing.empty()) return {};
+    std::map<Quad, FarFacet> facets;  // by sorted nodes: sets may overlap
+    for (const FemAbsorbing& a : fem.absorbing)
+        for (const Quad& q : mesh.facets_of(a.set, "fem.absorbing"))
+            facets[sorted(q)] = {{.node = q}, a.center};
+    const std::vector<int> part_of = part_of_elements(mesh, parts);
+    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
+        for (const auto& corners : hexahedron_face) {
+            const Hexahedron& h = mesh.hexahedra[e];
+            const auto found =
+                facets.find(sorted({h[corners[0]], h[corners[1]], h[corners[2]], h[corners[3]]}));
+            if (found == facets.end() || part_of[e] < 0) continue;
+            const Part& part = parts[part_of[e]];
+            const LinearElastic& moduli = elastic_moduli(part.material);
+            AbsorbingFacet& facet = found->second.facet;
+            facet.normal_impedance =
+                std::sqrt(part.density * (moduli.lambda + 2 * moduli.mu));  // rho c_p
+            facet.shear_impedance = std::sqrt(part.density * moduli.mu);
+            if (!found->second.center) continue;
+            const double r = distance_to_center(facet.node, mesh.x, *found->second.center);
+            facet.normal_stiffness = 4 * moduli.mu / r;
+            facet.shear_stiffness = 2 * moduli.mu / r;
+        }
+    std::vector<AbsorbingFacet> list;
+    for (const auto& [nodes, far] : facets) {
+        const AbsorbingFacet& facet = far.facet;
+        if (!(facet.normal_impedance > 0))
+            throw InputError("fem.absorbing: a facet (nodes " + std::to_string(nodes[0]) + ", " +
+                             std::to_string(nodes[1]) +
+                             ", ...) is not a face of any hexahedron that deforms; only the outer "
+                             "skin of those can absorb waves.");
+        list.push_back(facet);
+    }
+    return AbsorbingBoundary(list, mesh.x);
+}
+
+std::optional<StaticWater> make_static_water(const Case& c, const Mesh& mesh) {
+    if (!c.fem.water) return std::nullopt;
+    const double g = vertical_gravity(c, "fem.water");
+    std::vector<Quad> facets;
+    for (const FemSurface& s : c.fem.surface) {
+        if (s.immobile) continue;
+        const std::vector<Quad>& set = mesh.facets_of(s.set, "fem.surface");
+        facets.insert(facets.end(), set.begin(), set.end());
+    }
+    return StaticWater(facets, c.fem.water->density * g, c.fem.water->level);
+}
+
+}  // namespace undertow::fem

@@ -1,0 +1,87 @@
+#include "sph_solver/physics/fluid_law.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sph_solver/particles.hpp"
+#include "sph_solver/physics/stable_step.hpp"
+#include "wire/errors.hpp"
+
+namespace undertow::sph {
+
+double expected_speed(const Case& input) {
+    if (input.sph.max_speed > 0) return input.sph.max_speed;
+    double low = 1e300, high = -1e300, speed = 0;
+    for (const Fill& f : input.sph.fill) {
+        low = std::min(low, f.box.min[2]);
+        high = std::max(high, f.surface_level.value_or(f.box.max[2]));
+        speed = std::max(speed, std::hypot(f.velocity[0], f.velocity[1], f.velocity[2]));
+    }
+    const Vec3& g = input.info.gravity;
+    const double fall = std::hypot(g[0], g[1], g[2]) * std::max(0.0, high - low);
+    const double expected = 2 * std::sqrt(fall) + speed;
+    if (!(expected > 0))
+        throw InputError(fmt::format(
+            "{}: sph.fluid.sound_speed = \"auto\" needs sph.max_speed, the largest expected speed "
+            "[m/s]: without gravity and initial velocity it cannot be estimated.",
+            input.file));
+    return expected;
+}
+
+namespace {
+
+FluidLaw resolve_fluid(const Case& input, const Fluid& f) {
+    FluidLaw law;
+    law.rho0 = f.density;
+    law.mu = f.viscosity;
+    law.c0 = f.sound_speed ? *f.sound_speed : 10 * expected_speed(input);
+    law.equation_of_state = f.equation_of_state;
+    law.us_up = {law.rho0, law.c0, f.hugoniot_slope, f.gruneisen};
+    law.tait = {law.rho0, law.c0, f.tait_exponent};
+    law.rheology = {f.yield_stress, f.consistency, f.flow_index, f.viscosity, f.max_viscosity};
+    const double dx = input.sph.spacing;
+    law.volume = input.info.dimension == 3 ? dx * dx * dx : dx * dx;
+    law.mass = law.rho0 * law.volume * (input.info.dimension == 3 ? 1 : input.info.thickness);
+    return law;
+}
+
+/// Chooses the cap of the viscosity where the case leaves it open, and checks one that is given.
+void cap_viscosity(const Case& input, const Fluid& f, double c0, FluidLaw& law) {
+    double& cap = law.rheology.max_viscosity;
+    const double free = largest_free_viscosity(input.sph, law.rho0, c0);
+    if (cap == 0 && law.mu >= free)
+        throw InputError(fmt::format(
+            "{}: sph.fluid \"{}\": viscosity = {:.4g} Pa s alone shortens the step, so there is no "
+            "max_viscosity that does not (the limit is {:.4g} Pa s); give max_viscosity, above "
+            "viscosity.",
+            input.file, f.name, law.mu, free));
+    if (cap == 0) cap = free;
+    if (cap <= law.mu)
+        throw InputError(fmt::format(
+            "{}: sph.fluid \"{}\": max_viscosity = {:.4g} Pa s must be > viscosity = {:.4g} Pa s; "
+            "leave it out for the largest that does not shorten the step, {:.4g} Pa s.",
+            input.file, f.name, cap, law.mu, free));
+}
+
+}  // namespace
+
+std::vector<FluidLaw> resolve_fluids(const Case& input) {
+    if (input.sph.fluid.empty())
+        throw InputError(input.file + ": sph.fluid: no fluid; add a [[sph.fluid]].");
+    if (input.sph.fluid.size() > FluidTag::most)
+        throw InputError(fmt::format("{}: sph.fluid: {} fluids given; at most {} are allowed.",
+                                     input.file, input.sph.fluid.size(), FluidTag::most));
+    std::vector<FluidLaw> laws;
+    double c0 = 0;
+    for (const Fluid& f : input.sph.fluid) {
+        laws.push_back(resolve_fluid(input, f));
+        c0 = std::max(c0, laws.back().c0);
+    }
+    for (std::size_t k = 0; k < laws.size(); ++k)
+        if (laws[k].viscoplastic()) cap_viscosity(input, input.sph.fluid[k], c0, laws[k]);
+    return laws;
+}
+
+}  // namespace undertow::sph

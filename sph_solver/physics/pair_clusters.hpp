@@ -1,0 +1,77 @@
+#pragma once
+// Clusters of eight particles as the lanes of the pair loop, of one fluid or of several.
+
+#include <algorithm>
+#include <bit>
+
+#include "sph_solver/physics/pair_factors.hpp"
+#include "sph_solver/simd.hpp"
+
+namespace undertow::sph {
+
+struct Lanes {
+    int8 x, y, z;
+    Own<float8> own;
+    float8 volume;
+};
+
+inline Lanes load_cluster(const Packed* records, int first, int last) {
+    Lanes c;
+    for (int k = 0; k < lanes; ++k) {
+        const Packed& q = records[std::min(first + k, last - 1)];
+        c.x[k] = q.x, c.y[k] = q.y, c.z[k] = q.z;
+        c.own.vx[k] = q.vx, c.own.vy[k] = q.vy, c.own.vz[k] = q.vz;
+        c.own.p[k] = q.p, c.volume[k] = q.volume;
+    }
+    return c;
+}
+
+/// What the lanes of a cluster look up in a Mixture.
+struct MixedLanes {
+    Factors<float, float8> factors;
+    Meeting<float8> with[FluidTag::most];   // by the fluid of j
+};
+
+/// mu: viscosities of the records, or null where they are constant.
+inline void look_up(const Mixture<float>& mixture, const Packed* records, const float* mu,
+                    int first, int last, Own<float8>& own, MixedLanes& m) {
+    m.factors.gradient = mixture.gradient, m.factors.viscous = mixture.viscous;
+    for (int k = 0; k < lanes; ++k) {
+        const int i = std::min(first + k, last - 1);
+        const auto fluid = FluidTag::of(records[i]);
+        own.rho0[k] = mixture.rho0[fluid];
+        own.mu[k] = mu ? mu[i] : 0;
+        m.factors.diffusive[k] = mixture.diffusive[fluid];
+        m.factors.per_mass[k] = mixture.per_mass[fluid];
+        for (int b = 0; b < mixture.fluids; ++b) {
+            const Meeting<float>& meeting = mixture.meeting[fluid][b];
+            m.with[b].same[k] = meeting.same;
+            m.with[b].shock[k] = meeting.shock;
+            m.with[b].mu[k] = meeting.mu;
+        }
+    }
+}
+
+/// What the sums of a cluster must contain, from what it holds and meets.
+class ContentOf {
+ public:
+    explicit ContentOf(const PairPhysics& physics) {
+        for (std::size_t k = 0; k < physics.fluids.size(); ++k)
+            if (physics.fluids[k].viscoplastic()) plastic_ |= FluidBits(1u << k);
+    }
+
+    Content operator()(FluidBits held, FluidBits met, Terms terms) const {
+        const bool single = std::has_single_bit(met);
+        if (terms == Terms::rate) return single ? Content::one_fluid : Content::several;
+        if (held & plastic_) return Content::sheared;
+        if (met & plastic_) return Content::viscoplastic;
+        return single ? Content::one_fluid : Content::several;
+    }
+
+ private:
+    FluidBits plastic_ = 0;
+};
+
+inline int only_fluid(FluidBits met) { return std::countr_zero(met); }
+
+}  // namespace undertow::sph

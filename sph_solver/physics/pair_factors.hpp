@@ -1,0 +1,119 @@
+#pragma once
+// Constants of the pair terms, and what multiplies the finished sums.
+
+#include <cmath>
+
+#include "sph_solver/particles.hpp"
+#include "sph_solver/physics/pair_sums.hpp"
+
+namespace undertow::sph {
+
+/// Constants that multiply the finished sums; OfOwn where they depend on the particle's fluid.
+template <class Scalar, class OfOwn = Scalar>
+struct Factors {
+    Scalar gradient;   // scale * unit: of sums with x_ij [1/m^(d+1)]
+    Scalar viscous;    // 2 mu scale [Pa s/m^(d+2)]; 2 scale where mu is in the sums
+    OfOwn diffusive;   // 2 delta h scale / c0 [s/m^(d+2)]: from pressure to density differences
+    OfOwn per_mass;    // 1/(rho0 V0): 1/rho_i = V_i/(rho0 V0) exactly, so that pair forces are
+                       // equal and opposite
+};
+
+/// Constants of the loop over one fluid.
+template <class Scalar>
+PairConstants<Scalar> pair_constants(const PairPhysics& p, const FluidLaw& f, double unit) {
+    const double h = p.h / unit;
+    return {Scalar(1 / h),
+            Scalar(1e-6 * h * h),
+            Scalar(p.artificial_viscosity * p.h * f.c0 * f.rho0 / unit),
+            Scalar(f.rho0 * p.gravity[0] * unit),
+            Scalar(f.rho0 * p.gravity[1] * unit),
+            Scalar(f.rho0 * p.gravity[2] * unit)};
+}
+
+template <class Scalar>
+Factors<Scalar> factors(const PairPhysics& p, const FluidLaw& f, double scale, double unit) {
+    return {Scalar(scale * unit), Scalar(2 * f.mu * scale),
+            Scalar(2 * p.density_diffusion * p.h * scale / f.c0), Scalar(1 / (f.rho0 * f.volume))};
+}
+
+/// What the loop over several fluids looks up by their indices.
+template <class Scalar>
+struct Mixture {
+    int fluids = 0;
+    PairConstants<Scalar> constants{};
+    Scalar gradient = 0, viscous = 0;   // as in Factors
+    Scalar rho0[FluidTag::most], diffusive[FluidTag::most], per_mass[FluidTag::most];
+    Meeting<Scalar> meeting[FluidTag::most][FluidTag::most];   // [i][j]
+
+    Mixture(const PairPhysics& p, double scale, double unit)
+        : fluids(static_cast<int>(p.fluids.size())) {
+        FluidLaw none;   // its part of the constants is in the tables
+        none.rho0 = 1, none.c0 = 0;
+        constants = pair_constants<Scalar>(p, none, unit);
+        gradient = Scalar(scale * unit), viscous = Scalar(2 * scale);
+        for (int a = 0; a < fluids; ++a) {
+            const FluidLaw& f = p.fluids[a];
+            const auto own = factors<Scalar>(p, f, scale, unit);
+            rho0[a] = Scalar(f.rho0), diffusive[a] = own.diffusive, per_mass[a] = own.per_mass;
+            for (int b = 0; b < fluids; ++b) {
+                const FluidLaw& other = p.fluids[b];
+                const double impedance = 0.5 * (f.c0 * f.rho0 + other.c0 * other.rho0);
+                const double mu = f.mu + other.mu > 0 ? 2 * f.mu * other.mu / (f.mu + other.mu) : 0;
+                meeting[a][b] = {Scalar(a == b ? 1 : 0),
+                                 Scalar(p.artificial_viscosity * p.h * impedance / unit),
+                                 Scalar(mu)};
+            }
+        }
+    }
+};
+
+template <class Real, class Scalar, class OfOwn>
+Real density_rate(const Factors<Scalar, OfOwn>& k, Real per_rho, const PairSums<Real>& s) {
+    return k.diffusive * s.diffusion - (k.gradient * s.divergence) / per_rho;
+}
+
+template <class Real, class Scalar, class OfOwn>
+void acceleration(const Factors<Scalar, OfOwn>& k, Real per_rho, const PairSums<Real>& s, Real& ax,
+                  Real& ay, Real& az) {
+    ax = per_rho * (k.gradient * s.ax - k.viscous * s.lx);
+    ay = per_rho * (k.gradient * s.ay - k.viscous * s.ly);
+    az = per_rho * (k.gradient * s.az - k.viscous * s.lz);
+}
+
+/// gd = sqrt(2 D':D') of the deviatoric strain rate D', with grad v = G M^-1, which is exact in a
+/// linear field for any arrangement of neighbors: G ~ sum V F v_ij x_ij, M ~ sum V F x_ij x_ij,
+/// about one. M is not inverted where the neighbors lie nearly in a plane or on a line (drops, sheets
+/// one particle thin): det M < 0.05 (tr M/3)^3, a measure of shape that surfaces, edges and corners
+/// of a body pass.   [1/s]
+/// to_gradient: scale unit [1/(m^d unit)]; to_moment: scale unit^2.
+template <class Real, class Scalar>
+Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, int dimension) {
+    const Real xx = to_moment * s.xx, xy = to_moment * s.xy, xz = to_moment * s.xz,
+               yy = to_moment * s.yy + Scalar(dimension == 2 ? 1 : 0), yz = to_moment * s.yz,
+               zz = to_moment * s.zz;
+    const Real cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy,
+               cyy = xx * zz - xz * xz, cyz = xy * xz - xx * yz, czz = xx * yy - xy * xy;
+    const Real det = xx * cxx + xy * cxy + xz * cxz;
+    const Real trace = xx + yy + zz;
+    const auto surrounded = det > Scalar(0.05 / 27) * trace * trace * trace;
+    const Real none = det * Scalar(0), one = none + Scalar(1), per_det = one / (surrounded ? det : one);
+    const Real ixx = surrounded ? cxx * per_det : one, ixy = surrounded ? cxy * per_det : none,
+               ixz = surrounded ? cxz * per_det : none, iyy = surrounded ? cyy * per_det : one,
+               iyz = surrounded ? cyz * per_det : none, izz = surrounded ? czz * per_det : one;
+    const Real vx_x = s.vxx * ixx + s.vxy * ixy + s.vxz * ixz,
+               vx_y = s.vxx * ixy + s.vxy * iyy + s.vxz * iyz,
+               vx_z = s.vxx * ixz + s.vxy * iyz + s.vxz * izz,
+               vy_x = s.vyx * ixx + s.vyy * ixy + s.vyz * ixz,
+               vy_y = s.vyx * ixy + s.vyy * iyy + s.vyz * iyz,
+               vy_z = s.vyx * ixz + s.vyy * iyz + s.vyz * izz,
+               vz_x = s.vzx * ixx + s.vzy * ixy + s.vzz * ixz,
+               vz_y = s.vzx * ixy + s.vzy * iyy + s.vzz * iyz,
+               vz_z = s.vzx * ixz + s.vzy * iyz + s.vzz * izz;
+    const Real mean = (vx_x + vy_y + vz_z) * Scalar(1.0 / 3);
+    const Real dxx = vx_x - mean, dyy = vy_y - mean, dzz = vz_z - mean;
+    const Real gxy = vx_y + vy_x, gxz = vx_z + vz_x, gyz = vy_z + vz_y;   // 2 D_ab
+    return to_gradient * square_root(Scalar(2) * (dxx * dxx + dyy * dyy + dzz * dzz) + gxy * gxy +
+                                     gxz * gxz + gyz * gyz);
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,59 @@
+// The reference of the fast sums: double precision, one pair at a time, all records.
+
+#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/pair_factors.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+template <class KernelLaw>
+ReferenceSums reference(const PairPhysics& physics, const Neighborhood& neighbors) {
+    const double unit = neighbors.fixed().unit;
+    const KernelLaw kernel(physics.h, physics.dimension);
+    const Mixture<double> mixture(physics, kernel.scale(), unit);
+    const auto& records = neighbors.records();
+    const bool mixed = physics.mixed(), variable = physics.viscoplastic();
+    const auto fluid_of = [&](const Packed& j) { return mixed ? FluidTag::of(j) : 0; };
+    const auto viscosity_of = [&](std::size_t j) {
+        return variable ? double(neighbors.viscosity()[j])
+                        : physics.fluids[fluid_of(records[j])].mu;
+    };
+    ReferenceSums of;
+    for (int i = 0; i < neighbors.fluid_count(); ++i) {
+        const Packed& q = records[i];
+        const auto fluid = fluid_of(q);
+        const Factors<double> k{mixture.gradient, mixture.viscous, mixture.diffusive[fluid],
+                                mixture.per_mass[fluid]};
+        const Own<double> own{q.vx, q.vy, q.vz, q.p, mixture.rho0[fluid], viscosity_of(i)};
+        PairSums<double> sum;
+        ShearSums<double> shear;
+        for (std::size_t at = 0; at < records.size(); ++at) {   // no list to be wrong
+            const Packed& j = records[at];
+            const double dx = to_real(q.x - j.x, 0.0), dy = to_real(q.y - j.y, 0.0),
+                         dz = to_real(q.z - j.z, 0.0);
+            if (dx * dx + dy * dy + dz * dz > 4.01 * physics.h * physics.h / (unit * unit)) continue;
+            add_pair<KernelLaw, Terms::both, Content::sheared>(
+                mixture.constants, own, dx, dy, dz, j, sum, &mixture.meeting[fluid][fluid_of(j)],
+                viscosity_of(at), &shear);
+        }
+        const double per_rho = q.volume * k.per_mass;
+        Vec3 a;
+        acceleration(k, per_rho, sum, a[0], a[1], a[2]);
+        of.rate.push_back(density_rate(k, per_rho, sum));
+        of.acceleration.push_back(a);
+        of.shear_rate.push_back(shear_rate(shear, mixture.gradient, mixture.gradient * unit,
+                                           physics.dimension));
+    }
+    return of;
+}
+
+}  // namespace
+
+ReferenceSums sum_over_neighbors_reference(const PairPhysics& physics,
+                                           const Neighborhood& neighbors) {
+    return physics.kernel == Kernel::wendland_c2 ? reference<WendlandC2>(physics, neighbors)
+                                                 : reference<CubicSpline>(physics, neighbors);
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,101 @@
+// What the fluids press on the mirror planes, from the same pair terms as the sums.
+
+#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/pair_clusters.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+/// Calls f(mask, ax, ay, az) with the accelerations that the eight get from each image at a plane.
+template <class KernelLaw, Content content, class OfOwn, class F>
+void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
+                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster, F&& f) {
+    constexpr bool variable = content == Content::viscoplastic;
+    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const Packed* records = neighbors.records().data();
+    const ClusterLists& lists = neighbors.fluid_lists();
+    const int n = neighbors.fluid_count();
+    for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+        if (*at < n) continue;
+        const PlaneMask mask = neighbors.extras()[*at - n].mask;
+        if (mask == 0) continue;
+        const Packed& j = records[*at];
+        PairSums<float8> sum;
+        add_pair<KernelLaw, Terms::force, content>(
+            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, sum,
+            with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f);
+        const float8 per_rho = i.volume * k.per_mass;
+        float8 ax, ay, az;
+        acceleration(k, per_rho, sum, ax, ay, az);
+        f(mask, ax, ay, az);
+    }
+}
+
+template <class KernelLaw>
+std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborhood& neighbors,
+                                    const MirrorPlanes& mirror) {
+    const double unit = neighbors.fixed().unit;
+    const FluidLaw& first_fluid = physics.fluids[0];
+    const auto c = pair_constants<float>(physics, first_fluid, unit);
+    const KernelLaw kernel(physics.h, physics.dimension);
+    const auto k = factors<float>(physics, first_fluid, kernel.scale(), unit);
+    const Mixture<float> mixture(physics, kernel.scale(), unit);
+    const bool mixed = physics.mixed(), variable = physics.viscoplastic();
+    const Packed* records = neighbors.records().data();
+    const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
+    const std::size_t planes = mirror.size(), fluids = physics.fluids.size();
+    // per cluster first, then summed in order: the same bits for any number of threads
+    std::vector<double> part(clusters * planes * fluids, 0.0);
+
+#pragma omp parallel for schedule(dynamic, 32)
+    for (int cluster = 0; cluster < clusters; ++cluster) {
+        const int first = cluster * lanes, members = std::min(lanes, n - first);
+        Lanes i = load_cluster(records, first, n);
+        double* force = &part[cluster * planes * fluids];
+        const auto add = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
+            double a[FluidTag::most][3] = {};
+            for (int lane = 0; lane < members; ++lane) {
+                double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
+                of[0] += ax[lane], of[1] += ay[lane], of[2] += az[lane];
+            }
+            for (std::size_t p = 0; p < planes; ++p) {
+                if (!(mask >> p & 1)) continue;
+                const Vec3& normal = mirror.plane(static_cast<int>(p)).normal;
+                for (std::size_t f = 0; f < fluids; ++f)
+                    force[p * fluids + f] +=
+                        physics.fluids[f].mass *
+                        (a[f][0] * normal[0] + a[f][1] * normal[1] + a[f][2] * normal[2]);
+            }
+        };
+        if (!mixed) {
+            for_each_image<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster, add);
+            continue;
+        }
+        MixedLanes m;
+        look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
+                i.own, m);
+        if (variable)
+            for_each_image<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i, m.with,
+                                                             neighbors, cluster, add);
+        else
+            for_each_image<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                                                        neighbors, cluster, add);
+    }
+    std::vector<double> force(planes * fluids, 0.0);
+    for (int cluster = 0; cluster < clusters; ++cluster)
+        for (std::size_t p = 0; p < planes * fluids; ++p)
+            force[p] += part[cluster * planes * fluids + p];
+    return force;
+}
+
+}  // namespace
+
+std::vector<double> plane_forces(const PairPhysics& physics, const Neighborhood& neighbors,
+                                 const MirrorPlanes& mirror) {
+    if (physics.kernel == Kernel::wendland_c2)
+        return force_on_planes<WendlandC2>(physics, neighbors, mirror);
+    return force_on_planes<CubicSpline>(physics, neighbors, mirror);
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,43 @@
+#pragma once
+// Which fill has which place: boxes and prisms, overlaps, bodies that fills leave free, and the weight
+// that lies above a point.
+
+#include <vector>
+
+#include "case/case.hpp"
+
+namespace undertow::sph {
+
+/// Where a fill with a ramp starts: so far behind that it arrives at box and profile when it is let
+/// go. A speed that rises as v (3 s^2 - 2 s^3) covers v ramp/2.   [m]
+Vec3 ramp_distance(const Fill& fill);
+
+class FillPlan {
+ public:
+    explicit FillPlan(const Case& input);
+
+    /// Index of the fill that has the place of x [m] at the start: of those around it the last named;
+    /// -1 if there is none. y does not count in 2D.
+    int owner(const Vec3& x) const;
+
+    /// Moves a particle that lies in an obstacle's skin, nearer than half a spacing, out to half a
+    /// spacing. False if its center is inside: then there is no particle. Taking centers instead of
+    /// whole cells keeps the volume around a curved body right in the mean.
+    bool clear_obstacles(Vec3& x) const;
+
+    /// Pressure at x under everything that lies above it in its column [Pa]. density: [kg/m3] of
+    /// each fluid at zero pressure, in the order of [[sph.fluid]]; g: [m/s2] downward.
+    double pressure_at(const Vec3& x, const std::vector<double>& density, double g) const;
+
+    int fluid(int fill) const { return fluid_[fill]; }   // index into [[sph.fluid]]
+
+ private:
+    bool contains(int fill, const Vec3& x) const;
+
+    const SphSettings& sph_;
+    bool flat_;
+    std::vector<Vec3> behind_;    // [m] ramp_distance of each fill
+    std::vector<int> fluid_;
+};
+
+}  // namespace undertow::sph

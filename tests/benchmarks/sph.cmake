@@ -1,0 +1,2 @@
+add_executable(bench_sph_throughput ${CMAKE_CURRENT_LIST_DIR}/sph_throughput.cpp)
+target_link_libraries(bench_sph_throughput PRIVATE undertow_sph)
