@@ -33,6 +33,11 @@ Vec3 array(const Vector& a) {
     return {a[0], a[1], a[2]};
 }
 
+/// Of immobile nodes, which have no mass.
+bool is_held(const ContactSet& set, const Nodes& nodes) {
+    return nodes.mass[set.surface.front()[0]] == 0;
+}
+
 /// One node of the set, and what it remembers.
 struct Toucher {
     double k = 0;                      // [N/m]
@@ -70,7 +75,9 @@ struct ContactPair::State {
 
     State(ContactSet s, const Nodes& nodes, int n_threads)
         : set(std::move(s)),
-          surface(set.surface, nodes),
+          surface(
+              set.surface, nodes,
+              is_held(set, nodes) || set.body >= 0 ? SurfaceKind::rigid : SurfaceKind::deformable),
           toucher(set.nodes.size()),
           threads(n_threads) {}
 

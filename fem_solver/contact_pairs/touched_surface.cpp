@@ -42,8 +42,10 @@ std::vector<double> masses_of(const std::vector<std::int32_t>& node, const Nodes
 
 }  // namespace
 
-TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes)
-    : node_(nodes_of(facets)),
+TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes,
+                               SurfaceKind kind)
+    : kind_(kind),
+      node_(nodes_of(facets)),
       x_(3 * node_.size()),
       v_(3 * node_.size()),
       surface_(renumbered(facets, node_), masses_of(node_, nodes)),
@@ -51,6 +53,7 @@ TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nod
     follow(nodes);
     refresh_normals();
     group_normals();
+    mirror_ends();
 }
 
 void TouchedSurface::group_normals() {
@@ -67,7 +70,7 @@ void TouchedSurface::group_normals() {
             facets_at[edge(f, k)].push_back(f);
         }
     start_.assign(1, 0);
-    sharp_edge_.assign(facets, 0);
+    across_.assign(4 * std::size_t(facets), -1);
     sharp_node_.assign(node_.size(), 0);
     for (std::uint32_t f = 0; f < facets; ++f)
         for (int k = 0; k < 4; ++k) {
@@ -76,7 +79,7 @@ void TouchedSurface::group_normals() {
             start_.push_back(std::uint32_t(group_.size()));
             for (std::uint32_t g : facets_at[edge(f, k)]) {
                 if (normal_[f].dot(normal_[g]) >= smooth_cosine) continue;
-                sharp_edge_[f] |= std::uint8_t(1 << k);
+                across_[4 * f + k] = std::int32_t(g);
                 sharp_node_[surface_.corners(f)[k]] = 1;
                 sharp_node_[surface_.corners(f)[(k + 1) % 4]] = 1;
             }
@@ -101,11 +104,47 @@ void TouchedSurface::refresh_normals() {
     }
 }
 
-Vector TouchedSurface::corner_normal(std::uint32_t facet, int corner) const {
+Vector TouchedSurface::mean_normal(std::uint32_t facet, int corner) const {
     Vector sum = Vector::Zero();
     for (std::uint32_t i = start_[4 * facet + corner]; i < start_[4 * facet + corner + 1]; ++i)
         sum += normal_[group_[i]];
     return sum / sum.norm();
+}
+
+/// Normal mirrored at the middle of the edge from the corner `from` to this one.
+Vector TouchedSurface::corner_normal(std::uint32_t facet, int corner) const {
+    const int from = mirror_[4 * facet + corner];
+    if (from < 0) return mean_normal(facet, corner);
+    const std::int32_t* q = surface_.corners(facet);
+    const Vector along = (surface_.position(q[corner]) - surface_.position(q[from])).normalized();
+    const Vector n = mean_normal(facet, from);
+    return n - 2 * n.dot(along) * along;
+}
+
+void TouchedSurface::mirror_ends() {
+    mirror_.assign(4 * surface_.facets(), -1);
+    for (std::uint32_t f = 0; f < surface_.facets(); ++f) {
+        const std::int32_t* q = surface_.corners(f);
+        const auto is_end = [&](int k) {
+            return across_[4 * f + k] >= 0 ||
+                   surface_.is_free_rim(f, std::uint8_t(1 << k | 1 << (k + 1) % 4));
+        };
+        for (int corner = 0; corner < 4; ++corner) {
+            double most = 1e-9;  // tilts below that are round-off
+            // across the edge that begins here lies the corner before, across the one that ends
+            // here the corner after
+            for (const auto& [edge, from] : {std::pair(corner, (corner + 3) % 4),
+                                             std::pair((corner + 3) % 4, (corner + 1) % 4)}) {
+                if (!is_end(edge)) continue;
+                const Vector along =
+                    (surface_.position(q[corner]) - surface_.position(q[from])).normalized();
+                const double tilt = std::abs(mean_normal(f, from).dot(along));
+                if (tilt <= most) continue;
+                most = tilt;
+                mirror_[4 * f + corner] = std::int8_t(from);
+            }
+        }
+    }
 }
 
 bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candidates,
@@ -132,25 +171,65 @@ bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candi
     if (!found) return false;
     out.weight = best.weight;
 
-    Vector smooth = Vector::Zero();
-    for (int k = 0; k < 4; ++k)
-        if (best.weight[k] != 0) smooth += best.weight[k] * corner_normal(out.facet, k);
-    smooth.normalize();
-    bool sharp = false;
     const std::int32_t* q = surface_.corners(out.facet);
     for (int k = 0; k < 4; ++k) {
-        sharp |= best.rim == 1 << k && sharp_node_[q[k]];
-        sharp |= best.rim == (1 << k | 1 << (k + 1) % 4) && (sharp_edge_[out.facet] & 1 << k);
-    }
-    if (sharp && best_side >= 0 && best.distance > 0) {
-        out.normal = best.offset / best.distance;
-        out.distance = best.distance;
+        const int next = (k + 1) % 4;
+        const bool on_edge = best.rim == (1 << k | 1 << next) && across_[4 * out.facet + k] >= 0;
+        const bool on_corner = best.rim == 1 << k && sharp_node_[q[k]];
+        if (!(on_edge || on_corner) || best_side < 0) continue;
+        Vector offset = best.offset;
+        if (on_edge && kind_ == SurfaceKind::rigid)  // the edge bulges with both facets
+            for (std::uint32_t f : {out.facet, std::uint32_t(across_[4 * out.facet + k])})
+                offset -= bulge(f, q[k], q[next], best.weight[k], best.weight[next]);
+        out.distance = offset.norm();
+        if (out.distance == 0) break;
+        out.normal = offset / out.distance;
         return true;
     }
-    out.normal = smooth;
-    out.distance = best.offset.dot(smooth);
+    return touch_smooth(x, best, out);
+}
+
+/// Over a smooth surface the foot lies straight below along the interpolated normal, not along the
+/// facet's: one correction of the nearest point, whose error is the distance over the radius of
+/// curvature times as large.
+bool TouchedSurface::touch_smooth(const Vector& x, const contact::Foot& nearest, Touch& out) const {
+    const auto normal_at = [&](const std::array<double, 4>& weight) {
+        Vector n = Vector::Zero();
+        for (int k = 0; k < 4; ++k)
+            if (weight[k] != 0) n += weight[k] * corner_normal(out.facet, k);
+        return Vector(n.normalized());
+    };
+    const contact::Corners shape = surface_.shape(out.facet);
+    const Vector& plane = normal_[out.facet];
+    const Vector n = normal_at(nearest.weight);
+    const Vector from_foot = nearest.offset;
+    const Vector below = x - (from_foot.dot(plane) / n.dot(plane)) * n;
+    const contact::Foot foot = contact::closest_point(below, shape);
+    const Vector at = below - foot.offset, offset = x - at;
+    out.weight = foot.weight;
+    out.normal = normal_at(foot.weight);
+    double height = 0;
+    const std::int32_t* q = surface_.corners(out.facet);
+    for (int k = 0; k < 4; ++k)
+        if (foot.weight[k] != 0 && kind_ == SurfaceKind::rigid)
+            height -= 0.5 * foot.weight[k] *
+                      (at - surface_.position(q[k])).dot(corner_normal(out.facet, k));
+    const double along = offset.dot(out.normal);
+    out.distance = along - height;
     // Beyond a rim where the surface just ends there is nothing to touch (45 degrees).
-    return std::abs(out.distance) >= 0.7 * best.distance;
+    return std::abs(along) >= 0.7 * offset.norm();
+}
+
+/// Bulge [m] of a facet at a point of its edge from node a to node b, along its normal there.
+Vector TouchedSurface::bulge(std::uint32_t facet, std::int32_t a, std::int32_t b, double share_a,
+                             double share_b) const {
+    const std::int32_t* q = surface_.corners(facet);
+    const Vector at_a = corner_normal(facet, int(std::find(q, q + 4, a) - q));
+    const Vector at_b = corner_normal(facet, int(std::find(q, q + 4, b) - q));
+    const Vector edge = surface_.position(b) - surface_.position(a);
+    // x_foot - x_a = share_b edge, x_foot - x_b = -share_a edge
+    const double height = -0.5 * share_a * share_b * edge.dot(at_a - at_b);
+    return height * (share_a * at_a + share_b * at_b).normalized();
 }
 
 Vector TouchedSurface::position(const Touch& touch) const {

@@ -236,22 +236,18 @@ TEST_CASE("a skirt pressed from both sides stays in equilibrium at the start, no
     for (std::int32_t n : pair.set().nodes) {
         const double fx = load[n].c[0], fy = load[n].c[1];
         const double f = std::hypot(fx, fy);
-        // along the line of the load: what is left of it across, where the surface's normal is not
-        // radial, is the faceting's, not the balance's
-        const double along =
-            (fx * (fx + s.nodes().f[n].c[0]) + fy * (fy + s.nodes().f[n].c[1])) / f;
-        left = std::max(left, std::abs(along));
+        left = std::max(left, std::hypot(fx + s.nodes().f[n].c[0], fy + s.nodes().f[n].c[1]));
         largest = std::max(largest, f);
         total += f;
     }
     WARN("pressed skirt: force left on a node " << left << " N of " << largest << " N, normal sum "
                                                 << pair.totals().normal_force << " of " << total
                                                 << " N");
-    // At the two ends of the half ring the nodal normal is that of one facet, 7.5 degrees off the
-    // radius: cos^2 leaves 1.7 %. All other normals are radial to round-off.
-    CHECK(left < 0.02 * largest);
+    // Normals are radial although facets are not, but for what one correction of the foot leaves:
+    // (distance/radius)^2 times the angle of a facet, 0.005^2 * 0.26 = 7e-6.
+    CHECK(left < 7e-6 * largest);
     CHECK(pair.totals().friction == Vec3{0, 0, 0});
-    CHECK(pair.totals().normal_force == Approx(total).epsilon(2e-3));
+    CHECK(pair.totals().normal_force == Approx(total).epsilon(1e-9));  // the cosine of it
 }
 
 TEST_CASE("a skirt is pulled out by mu sigma_n A, and max_shear caps it") {
@@ -283,8 +279,8 @@ TEST_CASE("a skirt is pulled out by mu sigma_n A, and max_shear caps it") {
     }
     const double stress = cap > 0 ? std::min(cap, mu * sigma) : mu * sigma;
     WARN("pull-out: " << force << " N, stress times area " << stress * area << " N; stress " << stress);
-    // the ends' normals (see above) carry 1 % less than sigma
-    CHECK(force == Approx(stress * area).epsilon(3e-3));
+    // vertical sliding leaves distances as they are
+    CHECK(force == Approx(stress * area).epsilon(1e-9));
     CHECK(peak == Approx(force).epsilon(1e-6));
     CHECK(pair.totals().slipping == pair.totals().touching);
     CHECK(pair.friction_work() > 0);
@@ -310,6 +306,35 @@ TEST_CASE("contact forces have the same bits for one and two threads") {
     };
     const NodeRows a = forces(1), b = forces(2);
     CHECK(std::memcmp(a.data(), b.data(), a.size() * sizeof(NodeRow)) == 0);
+}
+
+TEST_CASE("springs of contact are stable at the step they were made for, on a light body too") {
+    // Springs as stiff as the budget allows (the soil's own step, no case limit), all nodes shaken:
+    // the energy of what is stored and moves must fall, by damping and friction, never grow.
+    const double weight = GENERATE(1.0, 0.02);  // of steel: the body is lighter than the soil at it
+    RoundSkirt scene(0.3);
+    scene.c.fem.material[1].density *= weight;
+    scene.c.fem.bulk_viscosity_linear = scene.c.fem.bulk_viscosity_quadratic = 0;
+    Structure s(build_model(scene.c, scene.mesh), 1);
+    CHECK(s.pairs()[0].softest() < 10);  // the budget does limit
+    const_cast<ContactPair&>(s.pairs()[0]).balance(pressed(s, 5e4));
+    Nodes& nodes = s.nodes();
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        for (int d = 0; d < 3; ++d)
+            if (nodes.inverse_mass[n].c[d] > 0) nodes.v[n].c[d] = 1e-3 * std::sin(1e5 * n + d);
+    const double dt = s.stable_step().dt;
+    double early = 0, late = 0;
+    march(s, dt, 10000, [&](int n) {
+        const Energies e = s.energies();
+        const double moving = e.kinetic + e.internal + e.hourglass + e.pair_springs;
+        if (n >= 100 && n < 200) early = std::max(early, moving);
+        if (n >= 9900) late = std::max(late, moving);
+    });
+    WARN("shaken skirt, body of " << s.bodies()[0].mass() << " kg: springs "
+                                  << s.pairs()[0].softest() << " E A/h, energy " << early << " -> "
+                                  << late << " J");
+    CHECK(late <= early);
+    CHECK(std::isfinite(late));
 }
 
 TEST_CASE("two deformable blocks press on each other with equal and opposite forces") {
