@@ -119,9 +119,8 @@ AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
 std::optional<StaticWater> make_static_water(const Case& c, const Mesh& mesh) {
     if (!c.fem.water) return std::nullopt;
     const double g = vertical_gravity(c, "fem.water");
-    std::vector<Quad> facets;
+    std::vector<Quad> facets;  // immobile ones as well: they share nodes with those that move
     for (const FemSurface& s : c.fem.surface) {
-        if (s.immobile) continue;
         const std::vector<Quad>& set = mesh.facets_of(s.set, "fem.surface");
         facets.insert(facets.end(), set.begin(), set.end());
     }
