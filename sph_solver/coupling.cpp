@@ -128,8 +128,9 @@ class CoupledLink : public Link {
             if (!near) continue;
             candidates_.push_back(p.id[i]);
             probe.id.push_back(static_cast<std::uint64_t>(p.id[i]));
-            put(probe.x, p.x[i], y, p.z[i]);
-            put(probe.v, p.vx[i], p.vy[i], p.vz[i]);
+            const Vec3 x = fluid.contact_point(int(i)), v = fluid.contact_velocity(int(i));
+            put(probe.x, x[0], x[1] + middle_, x[2]);
+            put(probe.v, v[0], v[1], v[2]);
             probe.mass.push_back(fluid.fluid_of(i).mass);
             probe.radius.push_back(radius);
             probe.stiffness.push_back(stiffness[p.fluid[i]]);
@@ -147,12 +148,12 @@ class CoupledLink : public Link {
         state.work = s.work, state.wait = waited();
         state.x.reserve(3 * active_.size());
         state.v.reserve(3 * active_.size());
-        const Particles& p = fluid.particles;
         for (std::size_t a = 0; a < active_.size(); ++a) {
             const int i = fluid.index_of(active_[a]);
             if (i >= 0) {
-                last_x_[a] = {p.x[i], p.y[i] + middle_, p.z[i]};
-                put(state.v, p.vx[i], p.vy[i], p.vz[i]);
+                const Vec3 x = fluid.contact_point(i), v = fluid.contact_velocity(i);
+                last_x_[a] = {x[0], x[1] + middle_, x[2]};
+                put(state.v, v[0], v[1], v[2]);
             } else {   // left the domain: it rests where it was last seen until the next probe
                 put(state.v, 0, 0, 0);
             }

@@ -50,6 +50,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
     plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
     index_.resize(particles.size());
+    surface_.expect(particles.size());
     if (physics_.viscoplastic()) {
         particles.viscosity.resize(1);   // in use from now on
         particles.resize(particles.size());
@@ -302,6 +303,18 @@ void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<doub
     if (with_surface_images_) surface_.place(std::move(quad), std::move(x));
 }
 
+Vec3 FluidSystem::contact_point(int i) const {
+    const SurfaceImages::Lift& l = surface_.lift(particles.id[i]);
+    return {particles.x[i] - l.e * l.n[0], particles.y[i] - l.e * l.n[1],
+            particles.z[i] - l.e * l.n[2]};
+}
+
+Vec3 FluidSystem::contact_velocity(int i) const {
+    const SurfaceImages::Lift& l = surface_.lift(particles.id[i]);
+    return {particles.vx[i] - l.rate * l.n[0], particles.vy[i] - l.rate * l.n[1],
+            particles.vz[i] - l.rate * l.n[2]};
+}
+
 void FluidSystem::sum_over_neighbors(Terms terms) {
     undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
     if (!surface_.placed()) return;
@@ -376,7 +389,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     }
     fastest_ = std::sqrt(speed2);
     reach_ += fastest_ * dt;
-    travelled_ += fastest_ * dt;
+    travelled_ += (fastest_ + surface_.advance(dt)) * dt;
     for (const PlateWall& plate : plates.walls) {
         const Vec3& v = plate.velocity;
         reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);

@@ -66,6 +66,11 @@ class FluidSystem {
     /// its images off.
     void place_surface(std::vector<std::int32_t> quad, std::vector<double> x);
 
+    /// Where particle i (sorted index) touches the coupled surface [m] and the velocity of that point
+    /// [m/s]: its center but for SurfaceImages::Lift.
+    Vec3 contact_point(int i) const;
+    Vec3 contact_velocity(int i) const;
+
     // ---- what others want to know
     double reach() const { return reach_; }       // bound on displacement since the last rebuild [m]
     double travelled() const { return travelled_; }   // the same since the start [m]

@@ -18,6 +18,8 @@ namespace {
 constexpr double no_mirror = 0.7, full_mirror = 0.95, same_wall = 0.7;
 // Of a contact force's length: more than this along a wall's normal, and that wall is touched.
 constexpr double presses = 0.02;
+// Bounds of the lift e in radii l0, its time of return in dx/c0, and its gain: see the header.
+constexpr double lift_gain = 0.8, lift_low = -0.3, lift_high = 0.6, lift_return = 400;
 
 /// 0 beyond an edge, 1 above the facet; c: cosine of the foot's direction to the normal.
 double mirror_share(double c) {
@@ -165,16 +167,16 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
         const int i = k.particle;
         const double d[3] = {p.x[i] - k.point[0], p.y[i] - k.point[1], p.z[i] - k.point[2]};
         k.distance = dot(d, k.normal);
-        const double f[3] = {p.fx[i], p.fy[i], p.fz[i]};
-        k.touches = dot(f, k.normal) > presses * std::sqrt(dot(f, f));
         k.weight = k.wall_speed = 0;
         k.rate = k.push = k.a[0] = k.a[1] = k.a[2] = 0;
     }
     const auto lean = [&](Near& on, const Near& touching, double w) {
         const int t = touching.particle;
+        const Lift& l = lift_[p.id[t]];
         on.weight += w;
-        on.wall_speed +=
-            w * (p.vx[t] * on.normal[0] + p.vy[t] * on.normal[1] + p.vz[t] * on.normal[2]);
+        on.wall_speed += w * ((p.vx[t] - l.rate * l.n[0]) * on.normal[0] +
+                              (p.vy[t] - l.rate * l.n[1]) * on.normal[1] +
+                              (p.vz[t] - l.rate * l.n[2]) * on.normal[2]);
     };
     for (Pair& pair : pairs_) {
         Near &i = near_[pair.a], &j = near_[pair.b];
@@ -196,6 +198,52 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
             if (k.weight > 0) k.wall_speed /= k.weight;
         }
     }
+}
+
+void SurfaceImages::find_touching(const Particles& p) {
+    for (Near& k : near_) {
+        const double f[3] = {p.fx[k.particle], p.fy[k.particle], p.fz[k.particle]};
+        k.touches = dot(f, k.normal) > presses * std::sqrt(dot(f, f));
+    }
+}
+
+void SurfaceImages::find_lifts(const PairPhysics& physics, const Particles& p) {
+    lifted_.clear();
+    for (std::size_t k = 0; k < near_.size();) {
+        const int i = near_[k].particle;
+        int walls = 0;
+        for (; k < near_.size() && near_[k].particle == i; ++k) walls += near_[k].touches;
+        Lift& l = lift_[p.id[i]];
+        const FluidLaw& fluid = physics.fluids[p.fluid[i]];
+        const double l0 = 0.5 * spacing_, low = lift_low * l0, high = lift_high * l0;
+        const double force = std::sqrt(p.fx[i] * p.fx[i] + p.fy[i] * p.fy[i] + p.fz[i] * p.fz[i]);
+        if (walls > 0) {
+            l.n[0] = p.fx[i] / force, l.n[1] = p.fy[i] / force, l.n[2] = p.fz[i] / force;
+            const double weight = physics.gravity[0] * l.n[0] + physics.gravity[1] * l.n[1] +
+                                  physics.gravity[2] * l.n[2];
+            const double at_wall = p.p[i] - fluid.rho0 * weight * l0;
+            // m |f| / A with A = m/(rho0 dx); in a corner |f| belongs to several walls
+            const double pressed = fluid.rho0 * spacing_ * force / std::sqrt(double(walls));
+            l.rate = lift_gain * (at_wall - pressed) / (fluid.rho0 * fluid.c0);
+            l.rate = std::clamp(l.rate, -0.02 * fluid.c0, 0.02 * fluid.c0);
+        } else {
+            if (l.e == 0 && l.rate == 0) continue;
+            l.rate = 0;
+        }
+        l.rate -= l.e * fluid.c0 / (lift_return * spacing_);
+        if ((l.e >= high && l.rate > 0) || (l.e <= low && l.rate < 0)) l.rate = 0;
+        lifted_.push_back(p.id[i]);
+    }
+}
+
+double SurfaceImages::advance(double dt) {
+    double fastest = 0;
+    for (const std::int64_t id : lifted_) {
+        Lift& l = lift_[id];
+        l.e = std::clamp(l.e + dt * l.rate, lift_low * 0.5 * spacing_, lift_high * 0.5 * spacing_);
+        fastest = std::max(fastest, std::abs(l.rate));
+    }
+    return fastest;
 }
 
 /// The pair terms of pair_terms.hpp between i and j', the pressure of the image continued
@@ -310,6 +358,8 @@ void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbor
                         Particles& particles) {
     if (pairs_.empty()) return;
     const auto sum = [&](const auto& kernel) {
+        find_touching(particles);
+        if (terms != Terms::rate) find_lifts(physics, particles);
         find_backing(kernel, particles);
         add_pairs(physics, kernel, neighbors, particles);
         if (terms != Terms::rate) add_reactions();

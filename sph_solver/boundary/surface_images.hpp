@@ -12,6 +12,13 @@
 //     work of the forces is then that of the density rates: no energy is created, the surface's
 //     own motion need not be known, and a particle that arrives at a dry wall is not compressed by
 //     an image before it touches.
+// How far off the surface a touching particle stands follows from its pressure. Contact alone would
+// hold it at its radius l0 for good: where the flow converges along a wall the layer could not
+// thicken, and would shoot ahead as a sheet of its own. So the particle solver moves the point with
+// which a particle touches by e along the contact force, in acoustic equilibrium with its fluid:
+//   de/dt = 0.8 (p_i - rho0 g.n l0 - N/A)/(rho0 c0) - e/tau,   -0.3 l0 <= e <= 0.6 l0,  tau = 400 dx/c0
+// with N the contact force of the step before, A = dx^2. The mirror then moves with v_i.n - de/dt.
+// What dissipates is 0.8 A (p_i - N/A)^2/(rho0 c0) >= 0.
 // Images are evaluated pair by pair and never stored:
 //   x_i - x_j' = (x_i - x_j)_t + (s_i + s_j) n,   s distance from the surface, n its normal
 // which is symmetric in i and j, also along a curved surface.
@@ -28,6 +35,8 @@ namespace undertow::sph {
 
 class SurfaceImages {
  public:
+    /// For particles of identities 0 to n - 1.
+    void expect(std::size_t n) { lift_.resize(n); }
     /// Facets (F, 4), counter-clockwise seen from the fluid, a triangle repeats its third node;
     /// x (N, 3) [m] in the particles' coordinates.
     void place(std::vector<std::int32_t> quad, std::vector<double> x);
@@ -35,6 +44,16 @@ class SurfaceImages {
     /// Finds the particles near the surface and the pairs (i, j') within the support. To be called
     /// when stale: lists were rebuilt or the surface was placed. spacing [m].
     void find_pairs(const Particles& particles, const Neighborhood& neighbors, double spacing);
+    /// Where particle `id` touches, as seen from its center [m], and how fast that point moves [m/s].
+    struct Lift {
+        double e = 0, rate = 0;  // [m], [m/s]
+        double n[3] = {0, 0, 0};   // of the last contact force
+    };
+    const Lift& lift(std::int64_t id) const {
+        return lift_[id];
+    }
+    /// e += dt de/dt of the particles near the surface. Returns the largest |de/dt| [m/s].
+    double advance(double dt);
     bool placed() const { return !quad_.empty(); }
     bool stale() const { return stale_; }
     void expire() { stale_ = true; }  // lists were rebuilt
@@ -55,7 +74,7 @@ class SurfaceImages {
         bool touches;
         double distance;          // s [m]
         double backing;           // 0 (no touching particle around) to 1
-        double wall_speed;        // normal velocity of the touching particles [m/s]
+        double wall_speed;        // normal velocity of the mirror, from the touching ones [m/s]
         double mass, per_mass;    // rho0 V0 [kg/m^(3-d)], and 1 over it
         double volume, density;   // [m^d], [kg/m3]
         double weight;            // sum of their kernel values [1/m^d]
@@ -68,6 +87,8 @@ class SurfaceImages {
         double lean;  // W_ab if one of them touches and the other does not, else 0 [1/m^d]
     };
 
+    void find_touching(const Particles& particles);
+    void find_lifts(const PairPhysics& physics, const Particles& particles);
     void find_near(const Particles& particles, double range);
     int same_wall_of(int source, const double normal[3]) const;
     template <class KernelLaw>
@@ -82,6 +103,8 @@ class SurfaceImages {
     std::vector<Near> near_;
     std::vector<int> slot_;  // particle -> its first entry in near_, -1 = far
     std::vector<Pair> pairs_;
+    std::vector<Lift> lift_;  // by identity
+    std::vector<std::int64_t> lifted_;  // identities with an entry that is not at rest
     double spacing_ = 0;  // [m]
     bool stale_ = false;
 };
