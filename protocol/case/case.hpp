@@ -191,8 +191,8 @@ struct FemGeostatic {                    // [fem.geostatic] stress of soil at re
 /// Before the first step everything finds its equilibrium under its own weight, by kinetic damping;
 /// displacements count from there.
 struct FemSettle {                       // [fem.settle]
-    double tolerance = 1e-3;             // largest force left on a node over a node's mean weight, and on
-                                         // a rigid body over its own, at which it has settled
+    double tolerance = 1e-3;             // largest force left on a node over the mean weight of a
+                                         // node, and on a rigid body over its own weight
     int max_steps = 50000;
 };
 
