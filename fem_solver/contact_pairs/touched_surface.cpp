@@ -54,6 +54,7 @@ TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nod
     refresh_normals();
     group_normals();
     mirror_ends();
+    follow_edges();
 }
 
 void TouchedSurface::group_normals() {
@@ -147,6 +148,29 @@ void TouchedSurface::mirror_ends() {
     }
 }
 
+/// Does a sharp edge run on through its node, or end there? Elsewhere the node is a corner.
+void TouchedSurface::follow_edges() {
+    std::vector<std::vector<std::int32_t>> beyond(node_.size());  // other ends of sharp edges
+    for (std::uint32_t f = 0; f < surface_.facets(); ++f)
+        for (int k = 0; k < 4; ++k) {
+            if (across_[4 * f + k] < 0) continue;
+            const std::int32_t a = surface_.corners(f)[k], b = surface_.corners(f)[(k + 1) % 4];
+            for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+                if (std::find(beyond[from].begin(), beyond[from].end(), to) == beyond[from].end())
+                    beyond[from].push_back(to);
+        }
+    edge_runs_on_.assign(node_.size(), 0);
+    for (std::size_t n = 0; n < node_.size(); ++n) {
+        const auto direction = [&](int i) {
+            return (surface_.position(beyond[n][i]) - surface_.position(std::int32_t(n)))
+                .normalized();
+        };
+        edge_runs_on_[n] =
+            beyond[n].size() == 1 ||
+            (beyond[n].size() == 2 && -direction(0).dot(direction(1)) >= smooth_cosine);
+    }
+}
+
 bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candidates,
                            Touch& out) const {
     contact::Foot best;
@@ -172,18 +196,16 @@ bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candi
     out.weight = best.weight;
 
     const std::int32_t* q = surface_.corners(out.facet);
-    for (int k = 0; k < 4; ++k) {
-        const int next = (k + 1) % 4;
-        const bool on_edge = best.rim == (1 << k | 1 << next) && across_[4 * out.facet + k] >= 0;
-        const bool on_corner = best.rim == 1 << k && sharp_node_[q[k]];
-        if (!(on_edge || on_corner) || best_side < 0) continue;
-        Vector offset = best.offset;
-        if (on_edge && kind_ == SurfaceKind::rigid)  // the edge bulges with both facets
-            for (std::uint32_t f : {out.facet, std::uint32_t(across_[4 * out.facet + k])})
-                offset -= bulge(f, q[k], q[next], best.weight[k], best.weight[next]);
-        out.distance = offset.norm();
-        if (out.distance == 0) break;
-        out.normal = offset / out.distance;
+    const auto is_sharp = [&](int k) { return across_[4 * out.facet + k] >= 0; };
+    for (int k = 0; k < 4 && best_side >= 0 && best.distance > 0; ++k) {
+        const int next = (k + 1) % 4, before = (k + 3) % 4;
+        if (best.rim == (1 << k | 1 << next) && is_sharp(k))
+            return touch_edge(x, k, best.weight[next], out);
+        if (best.rim != 1 << k || !sharp_node_[q[k]]) continue;
+        if (edge_runs_on_[q[k]] && is_sharp(k)) return touch_edge(x, k, 0, out);
+        if (edge_runs_on_[q[k]] && is_sharp(before)) return touch_edge(x, before, 1, out);
+        out.normal = best.offset / best.distance;
+        out.distance = best.distance;
         return true;
     }
     return touch_smooth(x, best, out);
@@ -220,16 +242,41 @@ bool TouchedSurface::touch_smooth(const Vector& x, const contact::Foot& nearest,
     return std::abs(along) >= 0.7 * offset.norm();
 }
 
-/// Bulge [m] of a facet at a point of its edge from node a to node b, along its normal there.
-Vector TouchedSurface::bulge(std::uint32_t facet, std::int32_t a, std::int32_t b, double share_a,
-                             double share_b) const {
-    const std::int32_t* q = surface_.corners(facet);
-    const Vector at_a = corner_normal(facet, int(std::find(q, q + 4, a) - q));
-    const Vector at_b = corner_normal(facet, int(std::find(q, q + 4, b) - q));
-    const Vector edge = surface_.position(b) - surface_.position(a);
-    // x_foot - x_a = share_b edge, x_foot - x_b = -share_a edge
-    const double height = -0.5 * share_a * share_b * edge.dot(at_a - at_b);
-    return height * (share_a * at_a + share_b * at_b).normalized();
+/// On the sharp edge k of the facet, at the share u from its first to its second corner: like a
+/// smooth surface, the edge is a curve whose tangent changes steadily, and it bulges with both of
+/// its facets.
+bool TouchedSurface::touch_edge(const Vector& x, int k, double u, Touch& out) const {
+    const std::int32_t* q = surface_.corners(out.facet);
+    const int next = (k + 1) % 4;
+    const Vector start = surface_.position(q[k]), edge = surface_.position(q[next]) - start;
+    const std::array<std::uint32_t, 2> facet{out.facet, std::uint32_t(across_[4 * out.facet + k])};
+    std::array<std::array<Vector, 2>, 2> end;  // normals of both facets at both ends
+    for (int f = 0; f < 2; ++f) {
+        const std::int32_t* c = surface_.corners(facet[f]);
+        for (int e = 0; e < 2; ++e)
+            end[f][e] = corner_normal(facet[f], int(std::find(c, c + 4, q[e == 0 ? k : next]) - c));
+    }
+    const auto normal_at = [&](int f, double at) {
+        return Vector(((1 - at) * end[f][0] + at * end[f][1]).normalized());
+    };
+    const auto tangent_at = [&](double at) {
+        return Vector(normal_at(0, at).cross(normal_at(1, at)).normalized());
+    };
+    Vector tangent = tangent_at(u);
+    u = std::clamp(u + (x - start - u * edge).dot(tangent) / edge.dot(tangent), 0.0, 1.0);
+    tangent = tangent_at(u);
+    Vector offset = x - start - u * edge;
+    if (kind_ == SurfaceKind::rigid)
+        for (int f = 0; f < 2; ++f)
+            offset += 0.5 * u * (1 - u) * edge.dot(end[f][0] - end[f][1]) * normal_at(f, u);
+    const double along = offset.dot(tangent);
+    offset -= along * tangent;
+    out.weight.fill(0);
+    out.weight[k] = 1 - u;
+    out.weight[next] = u;
+    out.distance = offset.norm();
+    out.normal = out.distance > 0 ? Vector(offset / out.distance) : normal_at(0, u);
+    return std::abs(along) <= out.distance;  // beyond the end of the edge: 45 degrees
 }
 
 Vector TouchedSurface::position(const Touch& touch) const {

@@ -63,8 +63,8 @@ class TouchedSurface {
     Eigen::Vector3d mean_normal(std::uint32_t facet, int corner) const;
     Eigen::Vector3d corner_normal(std::uint32_t facet, int corner) const;
     bool touch_smooth(const Eigen::Vector3d& x, const contact::Foot& nearest, Touch& out) const;
-    Eigen::Vector3d bulge(std::uint32_t facet, std::int32_t a, std::int32_t b, double share_a,
-                          double share_b) const;
+    bool touch_edge(const Eigen::Vector3d& x, int edge, double share, Touch& out) const;
+    void follow_edges();
 
     SurfaceKind kind_;
     std::vector<std::int32_t> node_;
@@ -78,7 +78,8 @@ class TouchedSurface {
     // Where the smooth surface ends, a facet goes on as it began: the normal of corner k of facet f
     // mirrors that of this other corner; -1 elsewhere.
     std::vector<std::int8_t> mirror_;
-    std::vector<std::uint8_t> sharp_node_;  // per node: on a sharp edge
+    std::vector<std::uint8_t> sharp_node_;    // per node: on a sharp edge
+    std::vector<std::uint8_t> edge_runs_on_;  // per node: which runs on through it or ends there
 };
 
 }  // namespace undertow::fem

@@ -191,7 +191,8 @@ struct FemGeostatic {                    // [fem.geostatic] stress of soil at re
 /// Before the first step everything finds its equilibrium under its own weight, by kinetic damping;
 /// displacements count from there.
 struct FemSettle {                       // [fem.settle]
-    double tolerance = 1e-3;             // residual force over weight at which it has settled
+    double tolerance = 1e-3;             // largest force left on a node over the mean weight of a
+                                         // node, and on a rigid body over its own weight
     int max_steps = 50000;
 };
 
@@ -206,7 +207,8 @@ struct FemRigid {                        // [[fem.rigid]] elements that move as 
     std::string name;                    // of its columns
     std::string set;                     // volume set
     std::vector<std::string> free{"x", "y", "z", "rx", "ry", "rz"};   // degrees of freedom
-    double added_mass = 0;               // [kg] without weight, for example trapped water
+    double added_mass = 0;               // [kg] without weight, for example trapped water; in a half
+                                         // model half of it
     Vec3 added_at{};                     // [m] its center
 };
 

@@ -85,7 +85,8 @@ TEST_CASE("a bed that faces down, has twin nodes, or lies on an element is refus
                                                  Catch::Contains("\"bed\"") &&
                                                  Catch::Contains("Reverse Surface"));
     BedCase leaky(cube_and_bed("12 9 10 7", "1 0 1\n"));
-    CHECK_THROWS_WITH(build_model(leaky.c), Catch::Contains("a leak") && Catch::Contains("(1, 0, 1)"));
+    CHECK_THROWS_WITH(build_model(leaky.c),
+                      Catch::Contains("a leak") && Catch::Contains("(1, 0, 1)"));
     BedCase on_cube(cube_and_bed("2 3 7 6"));
     CHECK_THROWS_WITH(build_model(on_cube.c), Catch::Contains("is a face of a hexahedron"));
     BedCase mobile(cube_and_bed("6 9 10 7"));

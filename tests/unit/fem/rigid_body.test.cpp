@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "fem_solver/rigid/rotation.hpp"
-#include "two_solids.hpp"
 #include "support.hpp"
+#include "two_solids.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -105,14 +105,13 @@ TEST_CASE("a free body keeps its moment of momentum to the last bit, its energy 
     const Vec3 L = body.moment_of_momentum();
     for (int d = 0; d < 3; ++d) CHECK(L[d] == L0[d]);
     WARN("tumbling brick, " << turned / (2 * pi) << " turns in " << steps
-                            << " steps: energy ripples by " << (high - low) / high
-                            << ", drifts by " << (late - early) / early << ", shape "
-                            << size() / size0 - 1);
-    CHECK(turned > 100);         // turns of 1/200 rev per step: many revolutions
-    CHECK(up > 2);               // it does tumble
-    CHECK((high - low) / high < 1e-2);                // (w dt)^2 = 1e-3, times a factor of order 1
-    CHECK(std::abs(late - early) / early < 1e-4);     // no drift, but the tumbling is not periodic
-    CHECK(std::abs(size() / size0 - 1) < 1e-13);      // round-off of one placement
+                            << " steps: energy ripples by " << (high - low) / high << ", drifts by "
+                            << (late - early) / early << ", shape " << size() / size0 - 1);
+    CHECK(turned > 100);                           // turns of 1/200 rev per step: many revolutions
+    CHECK(up > 2);                                 // it does tumble
+    CHECK((high - low) / high < 1e-2);             // (w dt)^2 = 1e-3, times a factor of order 1
+    CHECK(std::abs(late - early) / early < 1e-4);  // no drift, but the tumbling is not periodic
+    CHECK(std::abs(size() / size0 - 1) < 1e-13);   // round-off of one placement
 }
 
 TEST_CASE("a symmetric top precesses about L at L/I") {
@@ -126,8 +125,8 @@ TEST_CASE("a symmetric top precesses about L at L/I") {
     // inertia of the lumped nodes about x through the center
     double I = 0;
     for (std::size_t n = 0; n < nodes.size(); ++n)
-        I += nodes.mass[n] * (std::pow(nodes.x0[n].c[1] - 0.2, 2) +
-                              std::pow(nodes.x0[n].c[2] - 0.5, 2));
+        I += nodes.mass[n] *
+             (std::pow(nodes.x0[n].c[1] - 0.2, 2) + std::pow(nodes.x0[n].c[2] - 0.5, 2));
     const Vec3 L = body.moment_of_momentum();
     const double size = std::sqrt(L[0] * L[0] + L[1] * L[1] + L[2] * L[2]);
     // component of the axis across L: its angle about L
@@ -148,8 +147,8 @@ TEST_CASE("a symmetric top precesses about L at L/I") {
         last = now;
     });
     const double rate = sum / ((steps - 1) * dt);
-    WARN("top: precession " << rate << " 1/s, L/I = " << size / I << " over "
-                            << sum / (2 * pi) << " rounds");
+    WARN("top: precession " << rate << " 1/s, L/I = " << size / I << " over " << sum / (2 * pi)
+                            << " rounds");
     CHECK(rate == Approx(size / I).epsilon(1e-3));
 }
 

@@ -99,16 +99,14 @@ TEST_CASE("a small bucket in soil finds its equilibrium by itself") {
         for (const char* side : sides)
             for (const Quad& q : mesh.facet_sets[side]) mesh.facet_sets[set].push_back(q);
     };
-    gather("skin", {"left.xmin", "left.xmax", "left.zmin", "right.xmin", "right.xmax",
-                    "right.zmin"});
+    gather("skin",
+           {"left.xmin", "left.xmax", "left.zmin", "right.xmin", "right.xmax", "right.zmin"});
     gather("walls", {"plug.xmin", "plug.xmax", "west.xmax", "east.xmin"});
     gather("bottom", {"plug.zmin", "west.zmin", "east.zmin"});
     c.fem.part = {{"bucket", "steel"}, {"soil", "soil"}};
     c.fem.rigid = {{"bucket", "bucket", {"x", "z", "ry"}, 0, {}}};
-    c.fem.support = {{"bottom", {"x", "y", "z"}},
-                     {"west.xmin", {"x"}},
-                     {"east.xmax", {"x"}},
-                     {"soil", {"y"}}};
+    c.fem.support = {
+        {"bottom", {"x", "y", "z"}}, {"west.xmin", {"x"}}, {"east.xmax", {"x"}}, {"soil", {"y"}}};
     FemContact contact;
     contact.name = "skirt";
     contact.nodes = "walls";
@@ -130,7 +128,8 @@ TEST_CASE("a small bucket in soil finds its equilibrium by itself") {
     CHECK(std::abs(s.bodies()[0].rotation()[1]) < 1e-9);      // and stands upright: symmetry
     // for good: nothing creeps in 2,000 steps
     march(s, s.stable_step().dt, 2000);
-    CHECK(std::abs(s.bodies()[0].displacement()[2]) < 1e-3 * std::abs(found.body_displacement[0][2]));
+    CHECK(std::abs(s.bodies()[0].displacement()[2]) <
+          1e-3 * std::abs(found.body_displacement[0][2]));
 }
 
 TEST_CASE("ground that never settles ends in a sentence that says how far it came") {
