@@ -84,8 +84,9 @@ void SurfaceImages::find_near(const Particles& particles, double range) {
             near.distance = foot.distance;
             near.share = share;
             for (int a = 0; a < 3; ++a) near.point[a] = at_foot[a], near.normal[a] = n[a];
+            for (int a = 0; a < 3; ++a) near.facet[a] = foot.normal[a];
             std::size_t k = first;   // in a corner a particle has several walls, of each one foot
-            while (k < near_.size() && dot(near_[k].normal, near.normal) < same_wall) ++k;
+            while (k < near_.size() && dot(near_[k].facet, near.facet) < same_wall) ++k;
             if (k == near_.size())
                 near_.push_back(near);
             else if (near.distance < near_[k].distance)

@@ -69,7 +69,7 @@ class SurfaceImages {
     /// entry per wall, one after the other.
     struct Near {
         int particle;
-        double point[3], normal[3];  // [m], [-]
+        double point[3], normal[3], facet[3];  // [m]; away from the foot, of the facet
         double share;             // of a mirror that the surface is there, 0 to 1
         bool touches;
         double distance;          // s [m]
