@@ -14,6 +14,9 @@ namespace undertow::sph {
 
 namespace {
 
+// Lists [steps] that wear out early get the wide skin [dx], those that last the narrow one.
+constexpr int short_lived = 8, long_lived = 40;
+constexpr double narrow_skin = 0.2, wide_skin = 0.4;
 
 PairPhysics resolve_physics(const Case& input) {
     PairPhysics p;
@@ -73,7 +76,12 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
 }
 
 bool FluidSystem::refresh_neighbors(double t) {
+    ++list_age_;
     if (!neighbors_.due(reach_)) return false;
+    // where a step moves a particle far, longer lists cost less than frequent ones
+    if (rebuilds_ > 0 && list_age_ < short_lived) neighbors_.set_skin(wide_skin * spacing_);
+    if (list_age_ > long_lived) neighbors_.set_skin(narrow_skin * spacing_);
+    list_age_ = 0;
     keep_inside();
     plates.move_to(t);
     neighbors_.rebuild(particles, plates, mirror_);

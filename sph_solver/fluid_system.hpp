@@ -122,6 +122,7 @@ class FluidSystem {
     };
     std::vector<Rubbing> rubbing_;  // particles near no-slip planes
     std::vector<int> index_;        // identity -> sorted index
+    int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild
     double travelled_ = 0;          // [m]
     double fastest_ = 0;            // of the last step [m/s]

@@ -158,13 +158,45 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
             pairs_.push_back(pair);
         }
     }
+    deal_out_pairs();
+}
+
+/// A pair writes to both its entries. Entries lie along the surface in the order of the particles: cut
+/// into blocks, few pairs cross a cut; blocks run side by side, and those few afterwards.
+void SurfaceImages::deal_out_pairs() {
+    const std::size_t blocks = std::clamp<std::size_t>(near_.size() / 512, 1, 64);
+    const auto block_of = [&](int k) { return std::size_t(k) * blocks / near_.size(); };
+    const auto bucket = [&](const Pair& p) {
+        const std::size_t a = block_of(p.a);
+        return a == block_of(p.b) ? a : blocks;
+    };
+    block_begin_.assign(blocks + 2, 0);
+    for (const Pair& p : pairs_) ++block_begin_[bucket(p) + 1];
+    for (std::size_t b = 0; b <= blocks; ++b) block_begin_[b + 1] += block_begin_[b];
+    std::vector<std::size_t> at(block_begin_.begin(), block_begin_.end() - 1);
+    dealt_.resize(pairs_.size());
+    for (const Pair& p : pairs_) dealt_[at[bucket(p)]++] = p;
+    pairs_.swap(dealt_);
+    block_begin_.pop_back();
+}
+
+template <class F>
+void SurfaceImages::for_all_pairs(F&& f) {
+    const int blocks = static_cast<int>(block_begin_.size()) - 1;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int b = 0; b < blocks; ++b)
+        for (std::size_t k = block_begin_[b]; k < block_begin_[b + 1]; ++k) f(pairs_[k]);
+    for (std::size_t k = block_begin_.back(); k < pairs_.size(); ++k) f(pairs_[k]);
 }
 
 /// A particle that touches backs itself. Another one is backed by the touching ones around it,
 /// weight W_it; one of them a spacing away backs it fully.
 template <class KernelLaw>
 void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
-    for (Near& k : near_) {
+    const int n = static_cast<int>(near_.size());
+#pragma omp parallel for schedule(static)
+    for (int e = 0; e < n; ++e) {
+        Near& k = near_[e];
         const int i = k.particle;
         const double d[3] = {p.x[i] - k.point[0], p.y[i] - k.point[1], p.z[i] - k.point[2]};
         k.distance = dot(d, k.normal);
@@ -179,15 +211,15 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
                               (p.vy[t] - l.rate * l.n[1]) * on.normal[1] +
                               (p.vz[t] - l.rate * l.n[2]) * on.normal[2]);
     };
-    for (Pair& pair : pairs_) {
+    for_all_pairs([&](Pair& pair) {
         Near &i = near_[pair.a], &j = near_[pair.b];
         pair.lean = 0;
-        if (pair.record >= 0 || i.touches == j.touches) continue;
+        if (pair.record >= 0 || i.touches == j.touches) return;
         const int a = i.particle, b = j.particle;
         const double d[3] = {p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]};
         pair.lean = kernel.value(std::sqrt(dot(d, d)));
         i.touches ? lean(j, i, pair.lean) : lean(i, j, pair.lean);
-    }
+    });
     const double full = kernel.value(spacing_);
     for (Near& k : near_) {
         if (k.touches) {
@@ -282,10 +314,10 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
             diffusive[a][b] = a == b ? 2 * physics.density_diffusion * h / own.c0 : 0;
         }
     }
-    for (const Pair& pair : pairs_) {
+    for_all_pairs([&](const Pair& pair) {
         Near &i = near_[pair.a], &j = near_[pair.b];
         const double backing = i.backing * j.backing;
-        if (!(backing > 0)) continue;
+        if (!(backing > 0)) return;
         const int a = i.particle, b = j.particle;
         const bool mirrored = pair.record >= 0;
         const double* n = pair.n;
@@ -298,7 +330,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         }
         const double dn = dot(d, n), s = i.distance + j.distance;
         const double r2 = dot(d, d) - dn * dn + s * s;
-        if (r2 >= 4 * h * h) continue;
+        if (r2 >= 4 * h * h) return;
         const double v_a[3] = {p.vx[a], p.vy[a], p.vz[a]};
         double v[3] = {p.vx[a] - p.vx[b], p.vy[a] - p.vy[b], p.vz[a] - p.vz[b]};
         if (mirrored) {
@@ -337,19 +369,19 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         };
         give(i, 1, j, level, gn_b);
         if (!mirrored && a != b) give(j, -1, i, -level, gn_a);
-    }
+    });
 }
 
 /// -g_i to the touching particles, by their weights.
 void SurfaceImages::add_reactions() {
-    for (const Pair& pair : pairs_) {
-        if (!(pair.lean > 0)) continue;
+    for_all_pairs([&](const Pair& pair) {
+        if (!(pair.lean > 0)) return;
         Near &i = near_[pair.a], &j = near_[pair.b];
         Near &pushed = i.touches ? j : i, &touching = i.touches ? i : j;
         const double share =
             pair.lean / pushed.weight * pushed.push * (pushed.mass / touching.mass);
         for (int c = 0; c < 3; ++c) touching.a[c] -= share * pushed.normal[c];
-    }
+    });
     for (Near& k : near_)
         if (!k.touches)
             for (int c = 0; c < 3; ++c) k.a[c] += k.push * k.normal[c];

@@ -87,6 +87,10 @@ class SurfaceImages {
         double lean;  // W_ab if one of them touches and the other does not, else 0 [1/m^d]
     };
 
+    void deal_out_pairs();
+    /// f(pair) for all pairs, in the same order for every entry of near_ whatever the threads.
+    template <class F>
+    void for_all_pairs(F&& f);
     void find_touching(const Particles& particles);
     void find_lifts(const PairPhysics& physics, const Particles& particles);
     void find_near(const Particles& particles, double range);
@@ -102,7 +106,9 @@ class SurfaceImages {
     std::vector<double> x_;
     std::vector<Near> near_;
     std::vector<int> slot_;  // particle -> its first entry in near_, -1 = far
-    std::vector<Pair> pairs_;
+    std::vector<Pair> dealt_;          // scratch
+    std::vector<Pair> pairs_;          // those within a block of near_, block by block, then the rest
+    std::vector<std::size_t> block_begin_;   // [blocks + 1] into pairs_
     std::vector<Lift> lift_;  // by identity
     std::vector<std::int64_t> lifted_;  // identities with an entry that is not at rest
     double spacing_ = 0;  // [m]

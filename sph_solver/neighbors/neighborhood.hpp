@@ -35,6 +35,8 @@ class Neighborhood {
     bool due(double reach) const { return 2 * reach > skin_; }
     double support() const { return support_; }
     double skin() const { return skin_; }
+    /// For the next rebuild [m].
+    void set_skin(double skin) { skin_ = skin; }
 
     const FixedPoint& fixed() const { return fixed_; }
     const ColumnGrid& grid() const { return grid_; }
