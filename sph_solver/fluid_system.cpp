@@ -313,14 +313,13 @@ void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<doub
 
 Vec3 FluidSystem::contact_point(int i) const {
     const SurfaceImages::Lift& l = surface_.lift(particles.id[i]);
-    return {particles.x[i] - l.e * l.n[0], particles.y[i] - l.e * l.n[1],
-            particles.z[i] - l.e * l.n[2]};
+    return {particles.x[i] - l.e[0], particles.y[i] - l.e[1], particles.z[i] - l.e[2]};
 }
 
 Vec3 FluidSystem::contact_velocity(int i) const {
     const SurfaceImages::Lift& l = surface_.lift(particles.id[i]);
-    return {particles.vx[i] - l.rate * l.n[0], particles.vy[i] - l.rate * l.n[1],
-            particles.vz[i] - l.rate * l.n[2]};
+    return {particles.vx[i] - l.rate[0], particles.vy[i] - l.rate[1],
+            particles.vz[i] - l.rate[2]};
 }
 
 void FluidSystem::sum_over_neighbors(Terms terms) {

@@ -207,9 +207,9 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
         const int t = touching.particle;
         const Lift& l = lift_[p.id[t]];
         on.weight += w;
-        on.wall_speed += w * ((p.vx[t] - l.rate * l.n[0]) * on.normal[0] +
-                              (p.vy[t] - l.rate * l.n[1]) * on.normal[1] +
-                              (p.vz[t] - l.rate * l.n[2]) * on.normal[2]);
+        on.wall_speed += w * ((p.vx[t] - l.rate[0]) * on.normal[0] +
+                              (p.vy[t] - l.rate[1]) * on.normal[1] +
+                              (p.vz[t] - l.rate[2]) * on.normal[2]);
     };
     for_all_pairs([&](Pair& pair) {
         Near &i = near_[pair.a], &j = near_[pair.b];
@@ -249,34 +249,38 @@ void SurfaceImages::find_lifts(const PairPhysics& physics, const Particles& p) {
         Lift& l = lift_[p.id[i]];
         const FluidLaw& fluid = physics.fluids[p.fluid[i]];
         const double l0 = 0.5 * spacing_, low = lift_low * l0, high = lift_high * l0;
-        const double force = std::sqrt(p.fx[i] * p.fx[i] + p.fy[i] * p.fy[i] + p.fz[i] * p.fz[i]);
+        const double f[3] = {p.fx[i], p.fy[i], p.fz[i]}, force = std::sqrt(dot(f, f));
+        const double back = fluid.c0 / (lift_return * spacing_);   // [1/s]
+        if (walls == 0 && dot(l.e, l.e) == 0 && dot(l.rate, l.rate) == 0) continue;
+        for (int c = 0; c < 3; ++c) l.rate[c] = -back * l.e[c];
         if (walls > 0) {
-            l.n[0] = p.fx[i] / force, l.n[1] = p.fy[i] / force, l.n[2] = p.fz[i] / force;
-            const double weight = physics.gravity[0] * l.n[0] + physics.gravity[1] * l.n[1] +
-                                  physics.gravity[2] * l.n[2];
+            double n[3], weight = 0, along = 0;
+            for (int c = 0; c < 3; ++c) {
+                n[c] = f[c] / force;
+                weight += physics.gravity[c] * n[c];
+                along += l.e[c] * n[c];
+            }
             const double at_wall = p.p[i] - fluid.rho0 * weight * l0;
             // m |f| / A with A = m/(rho0 dx); in a corner |f| belongs to several walls
             const double pressed = fluid.rho0 * spacing_ * force / std::sqrt(double(walls));
-            l.rate = lift_gain * (at_wall - pressed) / (fluid.rho0 * fluid.c0);
-            l.rate = std::clamp(l.rate, -0.02 * fluid.c0, 0.02 * fluid.c0);
-        } else {
-            if (l.e == 0 && l.rate == 0) continue;
-            l.rate = 0;
+            const double most = 0.02 * fluid.c0;
+            double rate = lift_gain * (at_wall - pressed) / (fluid.rho0 * fluid.c0);
+            rate = std::clamp(rate, -most, most);
+            if ((along >= high && rate > 0) || (along <= low && rate < 0)) rate = 0;
+            for (int c = 0; c < 3; ++c) l.rate[c] += rate * n[c];
         }
-        l.rate -= l.e * fluid.c0 / (lift_return * spacing_);
-        if ((l.e >= high && l.rate > 0) || (l.e <= low && l.rate < 0)) l.rate = 0;
         lifted_.push_back(p.id[i]);
     }
 }
 
 double SurfaceImages::advance(double dt) {
-    double fastest = 0;
+    double fastest2 = 0;
     for (const std::int64_t id : lifted_) {
         Lift& l = lift_[id];
-        l.e = std::clamp(l.e + dt * l.rate, lift_low * 0.5 * spacing_, lift_high * 0.5 * spacing_);
-        fastest = std::max(fastest, std::abs(l.rate));
+        for (int c = 0; c < 3; ++c) l.e[c] += dt * l.rate[c];
+        fastest2 = std::max(fastest2, dot(l.rate, l.rate));
     }
-    return fastest;
+    return std::sqrt(fastest2);
 }
 
 /// The pair terms of pair_terms.hpp between i and j', the pressure of the image continued

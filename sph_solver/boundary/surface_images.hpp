@@ -16,8 +16,8 @@
 // hold it at its radius l0 for good: where the flow converges along a wall the layer could not
 // thicken, and would shoot ahead as a sheet of its own. So the particle solver moves the point with
 // which a particle touches by e along the contact force, in acoustic equilibrium with its fluid:
-//   de/dt = 0.8 (p_i - rho0 g.n l0 - N/A)/(rho0 c0) - e/tau,   -0.3 l0 <= e <= 0.6 l0,  tau = 400 dx/c0
-// with N the contact force of the step before, A = dx^2. The mirror then moves with v_i.n - de/dt.
+//   de/dt = 0.8 (p_i - rho0 g.n l0 - N/A)/(rho0 c0) - n.e/tau,   -0.3 l0 <= n.e <= 0.6 l0,  tau = 400 dx/c0
+// with N the contact force of the step before, A = dx^2. The mirror then moves with n.(v_i - de/dt).
 // What dissipates is 0.8 A (p_i - N/A)^2/(rho0 c0) >= 0.
 // Images are evaluated pair by pair and never stored:
 //   x_i - x_j' = (x_i - x_j)_t + (s_i + s_j) n,   s distance from the surface, n its normal
@@ -44,15 +44,14 @@ class SurfaceImages {
     /// Finds the particles near the surface and the pairs (i, j') within the support. To be called
     /// when stale: lists were rebuilt or the surface was placed. spacing [m].
     void find_pairs(const Particles& particles, const Neighborhood& neighbors, double spacing);
-    /// Where particle `id` touches, as seen from its center [m], and how fast that point moves [m/s].
+    /// The point with which particle `id` touches lies at x - e and moves with v - rate.
     struct Lift {
-        double e = 0, rate = 0;  // [m], [m/s]
-        double n[3] = {0, 0, 0};   // of the last contact force
+        double e[3] = {0, 0, 0}, rate[3] = {0, 0, 0};  // [m], [m/s]
     };
     const Lift& lift(std::int64_t id) const {
         return lift_[id];
     }
-    /// e += dt de/dt of the particles near the surface. Returns the largest |de/dt| [m/s].
+    /// e += dt rate of the particles near the surface. Returns the largest |rate| [m/s].
     double advance(double dt);
     bool placed() const { return !quad_.empty(); }
     bool stale() const { return stale_; }
