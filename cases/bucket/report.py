@@ -28,18 +28,17 @@ class Run:
     def __init__(self, folder, case):
         self.folder, self.case, self.setup = folder, case, case["report"]
         self.start = self.setup["start"]
-        self.has_slide = any(f["fluid"] == "slide" for f in case["sph"]["fill"])
+        self.fluids = [f["name"] for f in case["sph"]["fluid"] if any(k["fluid"] == f["name"] for k in case["sph"]["fill"])]
+        self.has_slide = "slide" in self.fluids
+        self.one_fluid = len(case["sph"]["fluid"]) == 1      # then forces.csv has no columns per fluid
         self.forces = read_history(folder / "forces.csv")
         self.history = read_history(folder / "fem.history.csv")
 
     def force(self, phase=None, axis="x", surface="bucket"):
         """(t [s], force on the whole bucket [N]) of a phase, or of all."""
         f = self.forces
-        names = [f"{surface}.{phase}.f{axis}"] if phase else [f"{surface}.f{axis}"]
-        for name in names:
-            if name in f:
-                return f["t"] - self.start, WHOLE * f[name]
-        return f["t"] - self.start, np.zeros_like(f["t"])
+        name = f"{surface}.{phase}.f{axis}" if phase and not self.one_fluid else f"{surface}.f{axis}"
+        return f["t"] - self.start, WHOLE * f[name]
 
     def lid(self, axis):
         """(t [s], displacement of the lid's center [m])."""
@@ -135,7 +134,9 @@ def draw_snapshot(view, run, sph, fem, when):
     near = x[:, 1] < 2.5 * spacing
     speed = np.linalg.norm(velocity, axis=1)
     extent = (-6.2, 4.2, -3.2, 3.2)
-    draw_particles(view, x[near], speed[near], extent, spacing, (0, 8), fluid=None if fluid is None else fluid[near])
+    alone = pictures.FLUIDS[1 if run.has_slide else 0]
+    draw_particles(view, x[near], speed[near], extent, spacing, (0, 8), cmap=alone,
+                   fluid=None if fluid is None else fluid[near])
     if fem is not None:
         draw_ground(view, fem, fem.nearest(sph.times[step]))
     view.set(xlim=extent[:2], ylim=extent[2:], title=f"{sph.times[step] - run.start:.2f} s")
@@ -177,6 +178,8 @@ def draw_forces(view, run):
     view.plot(t, smooth(t, total) / 1000, color=OURS, label="all")
     if run.has_slide:
         for phase, ink in (("water", WATER_INK), ("slide", SLIDE_INK)):
+            if run.one_fluid:
+                continue
             view.plot(t, smooth(t, run.force(phase)[1]) / 1000, color=ink, linewidth=1.0, label=phase)
         paper = [(PAPER["peak_time"], PAPER["peak"]), (PAPER["late"], PAPER["late_force"])]
         view.plot(*zip(*[(a, b / 1000) for a, b in paper]), "o", color=EXPERIMENT, markersize=5, label="paper", zorder=5)
