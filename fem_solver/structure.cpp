@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem_solver/elements/corners.hpp"
 #include "fem_solver/physics/largest_frequency.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
 
 namespace undertow::fem {
 namespace {
+
+// A shape check costs as much as two or three steps of the elements.
+constexpr std::int64_t steps_between_shape_checks = 256;
 
 /// [kg] of all nodes: from the elements that deform and from the rigid bodies.
 std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
@@ -286,11 +290,24 @@ void Structure::check_health(std::int64_t n, double t) const {
                  : " holds values that are not finite") +
             "; lower fem.cfl, refine the mesh there, or look for a load that is too large.");
     }
+    if (n % steps_between_shape_checks == 0) check_shape(when);
     const double speed = std::sqrt(kick_.speed2), sound = elements_.largest_wave_speed();
     if (speed > sound)
         throw PhysicsError(when + "a node of the structure moves at " + number_text(speed) +
                            " m/s, faster than sound in it (" + number_text(sound) +
                            " m/s): the computation is unstable; lower fem.cfl.");
+}
+
+void Structure::check_shape(const std::string& when) const {
+    const WorstCorner worst = worst_corner(model_.mesh, nodes_.x);
+    if (worst.share > 0) return;
+    const double* x = nodes_.x[worst.node].c;
+    throw PhysicsError(when + model_.mesh.element_name(worst.element) + " of " +
+                       elements_.part_name(worst.element) + " has folded at " +
+                       point_text({x[0], x[1], x[2]}) +
+                       " (the Jacobian of that corner is " + number_text(worst.share, 3) +
+                       " of what it was, must be > 0): the mesh no longer follows the "
+                       "deformation; refine it there, or look for a load that is too large.");
 }
 
 Energies Structure::energies() const {

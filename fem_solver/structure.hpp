@@ -88,7 +88,7 @@ class Structure {
     void finish();
 
     /// PhysicsError that names the element or node when a value is not finite, an element inverts
-    /// or a node outruns sound.
+    /// or (looked for now and then) folds, or a node outruns sound.
     void check_health(std::int64_t n, double t) const;
     /// dt = (2/omega) (sqrt(cfl^2 + xi^2) - xi), xi = b1 + b2^2 Ma the bulk viscosity's damping
     /// ratio at the closing Mach number Ma: stiffness and lagged viscosity together take cfl^2 of
@@ -118,6 +118,7 @@ class Structure {
     int frequency_searches() const { return frequency_searches_; }
 
  private:
+    void check_shape(const std::string& when) const;
     void find_frequency();
     void make_pairs();
     ContactBudget budget_of(const ContactSet& set) const;

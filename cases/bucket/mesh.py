@@ -99,7 +99,7 @@ def plan_of_clay(n, width):
     """Plan quads of the clay, and its lines in y."""
     square_x = np.linspace(-SQUARE, SQUARE, n // 2 + 1)
     square_y = np.linspace(0, SQUARE, n // 4 + 1)
-    outside = SQUARE + (BOX_X - SQUARE) * graded(BOX_X - SQUARE, 0.5, 3)[1:]
+    outside = np.linspace(SQUARE, BOX_X, 6)[1:]     # 0.4 m: the slide presses on all of it
     lines_x = np.concatenate([-outside[::-1], square_x, outside])
     beyond = width + (BOX_Y - width) * graded(BOX_Y - width, 0.4, 3)[1:]
     lines_y = np.concatenate([square_y, np.linspace(SQUARE, width, max(2, round((width - SQUARE) / 0.25)) + 1)[1:], beyond])

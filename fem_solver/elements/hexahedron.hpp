@@ -280,8 +280,9 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
 #pragma GCC unroll 4
             for (int a = 0; a < 4; ++a) Q[i][a] = state.hourglass[i][a];
         update_hourglass(law, volume_start, element.axis_weight, p, state.hourglass);
-        const T share = returned_share(law.mu, material.shear_strength, flow);
-        report.hourglass_work = limit_hourglass(material.shear_strength, share, volume_start,
+        if (any(flow.strain > 0.0))
+            return_hourglass(law.mu, material.shear_strength, flow, state.hourglass);
+        report.hourglass_work = limit_hourglass(material.shear_strength, volume_start,
                                                 element.axis_weight, p, Q, state.hourglass);
         report.plastic_work = (2.0 * half_volume) * flow.work;
         report.plastic_strain = flow.strain;

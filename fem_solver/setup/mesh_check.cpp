@@ -5,15 +5,12 @@
 #include <limits>
 #include <string>
 
+#include "fem_solver/elements/corners.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
 
 namespace undertow::fem {
 namespace {
-
-// A corner and its three neighbors along +xi, +eta, +zeta or against them, right-handed.
-constexpr int corner_edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                    {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
 
 Vec3 edge(const Mesh& mesh, std::int32_t from, std::int32_t to) {
     const Vec3 &a = mesh.x[from], &b = mesh.x[to];
