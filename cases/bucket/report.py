@@ -118,12 +118,13 @@ def audit_checks(summary):
         rows.append(check("momentum given by the fluids less received by the structure", residual, 0.0, residual, 1e-9,
                           note="relative"))
     budget = (summary.get("sph") or {}).get("budget") or {}
-    for name, key in (("particles at the start less end and removed", "particles_unaccounted"),
-                      ("mass at the start less end and removed", "mass_unaccounted")):
-        if key in budget:
-            rows.append(check(name, float(budget[key]), 0.0, float(budget[key]), 1e-9))
-    if "removed" in budget:
-        rows.append(check("particles that left the domain", float(budget["removed"]), 0.0))
+    if budget:
+        lost = float(budget["unaccounted_particles"])
+        rows.append(check("particles neither there nor removed", lost, 0.0, lost, 0.0))
+        rest = (budget["mass_start_kg"] - budget["mass_end_kg"] - budget["mass_removed_kg"]) / budget["mass_start_kg"]
+        rows.append(check("mass neither there nor removed", rest, 0.0, rest, 1e-9, note="relative"))
+        gone = sum(f["removed"] for f in summary["sph"]["fluid"].values())
+        rows.append(check("particles that left the domain", float(gone), 0.0))
     return rows
 
 

@@ -3,7 +3,8 @@
 
     run_trio.py FOLDER --bin BUILD/bin
 
-FOLDER holds case.toml and check.py with check(results), which raises AssertionError.
+FOLDER holds check.py with check(results), which raises AssertionError, and either case.toml or
+`arguments`: a case of cases/ with its options, as `scripts/undertow run` takes them.
 Exit code 0: all as expected. Otherwise what failed and the logs are printed.
 """
 import argparse
@@ -24,11 +25,13 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--bin", type=pathlib.Path, required=True)
     options = parser.parse_args()
+    of_case = options.folder / "arguments"
+    case = of_case.read_text().split() if of_case.exists() else [options.folder]
     sys.dont_write_bytecode = True
     with tempfile.TemporaryDirectory(prefix="undertow-") as scratch:
         out = pathlib.Path(scratch) / "results"
         ran = subprocess.run(
-            [TOP / "scripts" / "undertow", "run", options.folder, "--out", out, "--quiet"],
+            [TOP / "scripts" / "undertow", "run", *case, "--out", out, "--quiet"], cwd=TOP,
             env={**os.environ, "UNDERTOW_BUILD": str(options.bin.resolve().parent),
                  "PYTHONDONTWRITEBYTECODE": "1"},
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

@@ -1,0 +1,43 @@
+"""The meshes that a case keeps are those that its recipe makes."""
+import importlib.util
+import math
+import tempfile
+import unittest
+from pathlib import Path
+
+BUCKET = Path(__file__).resolve().parents[2] / "cases" / "bucket"
+
+
+def recipe():
+    spec = importlib.util.spec_from_file_location("bucket_mesh", BUCKET / "mesh.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class BucketMesh(unittest.TestCase):
+    def made(self, width):
+        module = recipe()
+        mesh = module.build(24, 12, width)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "made.msh"
+            module.write(mesh, path)
+            return mesh, path.read_text()
+
+    def test_kept_meshes_are_what_the_recipe_makes(self):
+        for name, width in (("quick", 2.5), ("wide", 3.5)):
+            self.assertEqual(self.made(width)[1], (BUCKET / "mesh" / f"{name}.msh").read_text(), name)
+
+    def test_skirt_and_clay_stand_a_gap_apart_and_the_bed_shares_its_edge_with_the_clay(self):
+        mesh, _ = self.made(2.5)
+        clay = {n for facet in mesh.facets["clay_skirt"] for n in facet}
+        radii = {round(math.hypot(*mesh.x[n][:2]), 4) for n in clay}
+        self.assertEqual(radii, {0.975, 0.99, 1.005})       # inside, below the tip, outside
+        shared = {n for f in mesh.facets["bed"] for n in f} & {n for f in mesh.facets["mud_line"] for n in f}
+        self.assertTrue(all(abs(abs(mesh.x[n][0]) - 4) < 1e-9 for n in shared))
+        self.assertGreaterEqual(len(shared), 2 * 9)
+        self.assertFalse(clay & {n for f in mesh.facets["bucket_skirt"] for n in f})
+
+
+if __name__ == "__main__":
+    unittest.main()
