@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Mesh recipe of the bucket case: half a bucket in half a box of clay, and the rigid sea bed around it.
 
-    mesh.py [--angular 24] [--depth-layers 12] [--width 2.5] FILE.msh
+    mesh.py [--angular 20] [--depth-layers 12] [--width 2.5] FILE.msh
 
 The clay leaves the skirt a slot: its nodes lie GAP off both faces and off the tip, where the slot
 closes. Volume sets clay, bucket; facet sets mud_line and bed (coupled; bed belongs to no element),
@@ -103,7 +103,7 @@ def plan_of_clay(n, width):
     lines_x = np.concatenate([-outside[::-1], square_x, outside])
     beyond = width + (BOX_Y - width) * graded(BOX_Y - width, 0.4, 3)[1:]
     lines_y = np.concatenate([square_y, np.linspace(SQUARE, width, max(2, round((width - SQUARE) / 0.25)) + 1)[1:], beyond])
-    quads = disc(n, RADIUS - WALL - GAP, 3, 0.56)
+    quads = disc(n, RADIUS - WALL - GAP, 2, 0.58)
     reach, layers = SQUARE - RADIUS, max(3, n // 4)
     quads += rings(circle(n, RADIUS + GAP), perimeter(n, SQUARE), graded(reach, 0.55 * reach / layers, layers))
     for xa, xb in zip(lines_x[:-1], lines_x[1:]):
@@ -153,7 +153,7 @@ def build(n, layers, width):
     above = np.linspace(0, HEIGHT - WALL, 4)
     skirt = rings(circle(n, RADIUS - WALL), circle(n, RADIUS), np.array([0.0, 1.0]))
     extrude(mesh, "bucket", skirt, np.concatenate([buried[::-1], above[1:], [HEIGHT]]))
-    extrude(mesh, "bucket", disc(n, RADIUS - WALL, 3, 0.56), [HEIGHT - WALL, HEIGHT])
+    extrude(mesh, "bucket", disc(n, RADIUS - WALL, 2, 0.58), [HEIGHT - WALL, HEIGHT])
 
     x = np.array(mesh.x)
     r = np.hypot(x[:, 0], x[:, 1])
@@ -227,7 +227,7 @@ def write(mesh, path):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("file")
-    arguments.add_argument("--angular", type=int, default=24, help="elements around half the bucket, a multiple of 4")
+    arguments.add_argument("--angular", type=int, default=20, help="elements around half the bucket, a multiple of 4")
     arguments.add_argument("--depth-layers", type=int, default=12, help="elements along the buried skirt")
     arguments.add_argument("--width", type=float, default=2.5, help="[m] half width of the water, more than 2 and less than 4")
     chosen = arguments.parse_args()
