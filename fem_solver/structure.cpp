@@ -13,6 +13,10 @@ namespace {
 
 // A shape check costs as much as two or three steps of the elements.
 constexpr std::int64_t steps_between_shape_checks = 256;
+// Jacobian of a corner over that at the start below which an element is lost: turned inside out by
+// as much as it was upright. One-point elements bear a corner that has just folded, because their
+// volume and mean strain are still sound; a mesh that comes apart goes on to -10 and far beyond.
+constexpr double lost_corner = -1;
 
 /// [kg] of all nodes: from the elements that deform and from the rigid bodies.
 std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
@@ -300,13 +304,14 @@ void Structure::check_health(std::int64_t n, double t) const {
 
 void Structure::check_shape(const std::string& when) const {
     const WorstCorner worst = worst_corner(model_.mesh, nodes_.x);
-    if (worst.share > 0) return;
+    if (worst.share > lost_corner) return;
     const double* x = nodes_.x[worst.node].c;
     throw PhysicsError(when + model_.mesh.element_name(worst.element) + " of " +
                        elements_.part_name(worst.element) + " has folded at " +
-                       point_text({x[0], x[1], x[2]}) +
-                       " (the Jacobian of that corner is " + number_text(worst.share, 3) +
-                       " of what it was, must be > 0): the mesh no longer follows the "
+                       point_text({x[0], x[1], x[2]}) + " (the Jacobian of that corner is " +
+                       number_text(worst.share, 3) + " of what it was, must be > " +
+                       number_text(lost_corner, 3) +
+                       "): the mesh no longer follows the "
                        "deformation; refine it there, or look for a load that is too large.");
 }
 
