@@ -21,7 +21,7 @@ PAPER = {"contact": 0.35, "peak": 59e3, "peak_time": 0.49, "displacement": 0.019
          "late": 1.0, "late_force": 5e3, "late_displacement": 0.011}
 STILL = 1e-4               # [m] the bar for the start: lid displacement without a slide
 WATER_INK, SLIDE_INK = "#2b6cb0", "#b5793a"
-PLASTIC = (0.0, 5.0)       # [%] plastic strain shown
+LEAST_PLASTIC = 0.1        # [%] plastic strain shown at least; more if there is more
 
 
 class Run:
@@ -128,7 +128,7 @@ def audit_checks(summary):
     return rows
 
 
-def draw_snapshot(view, run, sph, fem, when):
+def draw_snapshot(view, run, sph, fem, when, top):
     step = sph.nearest(when + run.start)
     spacing = run.case["sph"]["spacing"]
     x, velocity, fluid = sph.read(step, "velocity", "fluid")
@@ -139,17 +139,23 @@ def draw_snapshot(view, run, sph, fem, when):
     draw_particles(view, x[near], speed[near], extent, spacing, (0, 8), cmap=alone,
                    fluid=None if fluid is None else fluid[near])
     if fem is not None:
-        draw_ground(view, fem, fem.nearest(sph.times[step]))
+        draw_ground(view, fem, fem.nearest(sph.times[step]), top)
     view.set(xlim=extent[:2], ylim=extent[2:], title=f"{sph.times[step] - run.start:.2f} s")
     view.set_xticks(range(-6, 5, 2))
     view.set_yticks([-2, 0, 2])
 
 
-def draw_ground(view, fem, step):
+def largest_plastic(fem):
+    """[%] at the end of the run: plastic strain never shrinks."""
+    plastic = fem.read(len(fem) - 1, "plastic_strain")[1] if fem is not None else None
+    return max(LEAST_PLASTIC, 100 * float(plastic.max())) if plastic is not None else LEAST_PLASTIC
+
+
+def draw_ground(view, fem, step, top):
     x, plastic = fem.read(step, "plastic_strain")
     faces, element = section_faces(x, fem.hexahedra)
     values = 100 * plastic[element] if plastic is not None else None
-    draw_section(view, x, faces, values, PLASTIC, "YlOrRd", color="#f3efe6", edge="#d8d8d8")
+    draw_section(view, x, faces, values, (0, top), "YlOrRd", color="#f3efe6", edge="#d8d8d8")
     steel = np.ptp(x[faces][:, :, 0], axis=1).min() if len(faces) else 0
     thin = np.minimum(np.ptp(x[faces][:, :, 0], axis=1), np.ptp(x[faces][:, :, 2], axis=1)) < 0.03
     if steel and thin.any():
@@ -206,17 +212,18 @@ def draw(run, path):
     sph, fem = open_fields(run.folder / "sph.vtkhdf"), open_fields(run.folder / "fem.vtkhdf")
     figure = pictures.new_figure((14, 11.5))
     outer = figure.add_gridspec(3, 1, height_ratios=(1.15, 1.15, 0.9), hspace=0.25, left=0.05, right=0.97, top=0.93, bottom=0.05)
+    top = largest_plastic(fem)
     times = [t for t in run.setup["snapshots"] if sph is not None and t + run.start <= sph.times[-1] + 0.026]
     for k, when in enumerate(times[:4]):
         grid = outer[k // 2].subgridspec(1, 2, wspace=0.08)
-        draw_snapshot(figure.add_subplot(grid[k % 2]), run, sph, fem, when)
+        draw_snapshot(figure.add_subplot(grid[k % 2]), run, sph, fem, when, top)
     bottom = outer[2].subgridspec(1, 3, wspace=0.22)
     draw_forces(figure.add_subplot(bottom[0]), run)
     draw_lid(figure.add_subplot(bottom[1]), run)
     if run.has_slide and len(times) > 2:
         draw_plan(figure.add_subplot(bottom[2]), run, sph, times[2])
     keys = [plt.Line2D([], [], marker="o", linestyle="", color=ink, label=label) for ink, label in
-            ((WATER_INK, "water"), (SLIDE_INK, "slide (light: 8 m/s)"), ("#fd8d3c", "clay, plastic strain (dark: 5 %)"))]
+            ((WATER_INK, "water"), (SLIDE_INK, "slide (light: 8 m/s)"), ("#fd8d3c", f"clay, plastic strain (dark: {top:.2g} %)"))]
     figure.legend(handles=keys, loc="upper right", ncol=3, bbox_to_anchor=(0.97, 0.985))
     figure.suptitle(f"{run.case['case']['title']}   dx = {1000 * run.case['sph']['spacing']:g} mm",
                     x=0.05, y=0.985, ha="left", fontsize=13, fontweight="bold")

@@ -24,7 +24,7 @@ def check(results):
 
     forces = history(results / "forces.csv")
     quiet = forces["t [s]"] > 0.2
-    weight = 1000 * 9.81 * 16 * 2.5 * 2.0 - 1000 * 9.81 * 0.5 * np.pi / 2 * 1.0   # [N] of the water
+    weight = 1000 * 9.81 * 16.5 * 2.5 * 2.0 - 1000 * 9.81 * 0.5 * np.pi / 2 * 1.0   # [N] of the water
     down = -sum(forces[f"{name}.fz [N]"][quiet].mean() for name in ("bucket", "mud_line", "bed"))
     assert abs(down / weight - 1) < 0.03, f"bed and bucket carry {down} N of {weight} N"
 
