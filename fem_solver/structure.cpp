@@ -158,7 +158,7 @@ void Structure::observe_still_water(double dt) {
 }
 
 void Structure::let_go() {
-    if (model_.water) model_.water->balance();
+    if (model_.water) model_.water->balance(nodes_.inverse_mass);
 }
 
 void Structure::release_far_field() {

@@ -65,13 +65,15 @@ void StaticWater::observe(const NodalLoad& contact, double dt) {
     observed_ += dt;
 }
 
-void StaticWater::balance() {
+void StaticWater::balance(const NodeRows& inverse_mass) {
     if (observed_ == 0 || !constant_.empty()) return;
     constant_.resize(sum_.size());
     Row net{}, net_static{};
     double square = 0, square_static = 0;
     for (std::size_t i = 0; i < sum_.size(); ++i) {
         as_row(constant_[i]) = as_row(sum_[i]) * (1 / observed_);
+        const double* free = inverse_mass[load.node[i]].c;
+        if (free[0] + free[1] + free[2] == 0) continue;  // a rigid bed may reach beyond the water
         const Row c = as_row(constant_[i]), p = as_row(load.force[i]);
         net += c, net_static += p;
         square += c[0] * c[0] + c[1] * c[1] + c[2] * c[2];

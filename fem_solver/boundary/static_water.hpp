@@ -23,9 +23,9 @@ class StaticWater {
     /// (contact [N] on the nodes `node`, increasing; dt [s]), balance() takes its mean into the
     /// static load, so that the structure is let go without a jump.
     void observe(const NodalLoad& contact, double dt);
-    void balance();
+    void balance(const NodeRows& inverse_mass);
 
-    struct Difference {
+    struct Difference {  // of the nodes that move by themselves: the soil's
         double net = 0;    // of the sum of all nodal forces, over that of p_h
         double nodal = 0;  // root mean square of a node, over that of p_h
     };
