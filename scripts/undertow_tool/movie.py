@@ -50,7 +50,11 @@ def draw_structure(axes, fem, step, section):
         draw_mesh(axes, x, fem.hexahedra)
         return
     faces, element = section
-    draw_section(axes, x, faces, 100 * plastic[element], (0, 5), "YlOrRd", edge="#d8d8d8")
+    largest = 100 * fem.read(len(fem) - 1, "plastic_strain")[1].max()
+    draw_section(axes, x, faces, 100 * plastic[element], (0, max(0.1, largest)), "YlOrRd", edge="#d8d8d8")
+    size = np.minimum(np.ptp(x[faces][:, :, 0], axis=1), np.ptp(x[faces][:, :, 2], axis=1))
+    thin = size < 0.3 * np.median(size)         # skirts and lids, else too thin to see
+    draw_section(axes, x, faces[thin], None, color="#222222", edge="#222222")
 
 
 def make_movie(out, case, path, fps=25, height=720):
@@ -67,7 +71,7 @@ def make_movie(out, case, path, fps=25, height=720):
     figure = new_figure((size[0] / 100, size[1] / 100))
     figure.set_dpi(100)
     axes = figure.add_axes([0.05, 0.09, 0.84, 0.83])
-    if sph:
+    if sph and len(case["sph"]["fluid"]) == 1:      # several fluids have each their own colors
         colorbar(figure, axes, limits, "speed [m/s]", cax=figure.add_axes([0.92, 0.15, 0.015, 0.7]))
     lead = sph or fem
     section = find_section(fem)
@@ -81,6 +85,9 @@ def make_movie(out, case, path, fps=25, height=720):
             if sph:
                 x, velocity, fluid = sph.read(step, "velocity", "fluid")
                 speed = np.linalg.norm(velocity, axis=1) if velocity is not None else np.zeros(len(x))
+                if section is not None:     # half a model: what is at the cut, not what shines through behind
+                    near = x[:, 1] < 2.5 * case["sph"]["spacing"]
+                    x, speed, fluid = x[near], speed[near], None if fluid is None else fluid[near]
                 draw_particles(axes, x, speed, extent, case["sph"]["spacing"], limits, width=size[0], fluid=fluid)
             else:
                 axes.set_xlim(*extent[:2])
