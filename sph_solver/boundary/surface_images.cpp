@@ -241,35 +241,48 @@ void SurfaceImages::find_touching(const Particles& p) {
 }
 
 void SurfaceImages::find_lifts(const PairPhysics& physics, const Particles& p) {
-    lifted_.clear();
+    double c0 = 0;
+    for (const FluidLaw& fluid : physics.fluids) c0 = std::max(c0, fluid.c0);
+    const double back = c0 / (lift_return * spacing_);   // [1/s]
+    // Whoever was lifted comes back, also where he no longer is above the surface: around an edge a
+    // particle touches without a mirror.
+    std::size_t kept = 0;
+    for (const std::int64_t id : lifted_) {
+        Lift& l = lift_[id];
+        const bool gone = dot(l.e, l.e) < 1e-12 * spacing_ * spacing_;
+        for (int c = 0; c < 3; ++c) {
+            if (gone) l.e[c] = 0;
+            l.rate[c] = -back * l.e[c];
+        }
+        l.listed = !gone;
+        if (!gone) lifted_[kept++] = id;
+    }
+    lifted_.resize(kept);
     for (std::size_t k = 0; k < near_.size();) {
         const int i = near_[k].particle;
         int walls = 0;
         for (; k < near_.size() && near_[k].particle == i; ++k) walls += near_[k].touches;
+        if (walls == 0) continue;
         Lift& l = lift_[p.id[i]];
         const FluidLaw& fluid = physics.fluids[p.fluid[i]];
         const double l0 = 0.5 * spacing_, low = lift_low * l0, high = lift_high * l0;
         const double f[3] = {p.fx[i], p.fy[i], p.fz[i]}, force = std::sqrt(dot(f, f));
-        const double back = fluid.c0 / (lift_return * spacing_);   // [1/s]
-        if (walls == 0 && dot(l.e, l.e) == 0 && dot(l.rate, l.rate) == 0) continue;
-        for (int c = 0; c < 3; ++c) l.rate[c] = -back * l.e[c];
-        if (walls > 0) {
-            double n[3], weight = 0, along = 0;
-            for (int c = 0; c < 3; ++c) {
-                n[c] = f[c] / force;
-                weight += physics.gravity[c] * n[c];
-                along += l.e[c] * n[c];
-            }
-            const double at_wall = p.p[i] - fluid.rho0 * weight * l0;
-            // m |f| / A with A = m/(rho0 dx); in a corner |f| belongs to several walls
-            const double pressed = fluid.rho0 * spacing_ * force / std::sqrt(double(walls));
-            const double most = 0.02 * fluid.c0;
-            double rate = lift_gain * (at_wall - pressed) / (fluid.rho0 * fluid.c0);
-            rate = std::clamp(rate, -most, most);
-            if ((along >= high && rate > 0) || (along <= low && rate < 0)) rate = 0;
-            for (int c = 0; c < 3; ++c) l.rate[c] += rate * n[c];
+        double n[3], weight = 0, along = 0;
+        for (int c = 0; c < 3; ++c) {
+            n[c] = f[c] / force;
+            weight += physics.gravity[c] * n[c];
+            along += l.e[c] * n[c];
         }
-        lifted_.push_back(p.id[i]);
+        const double at_wall = p.p[i] - fluid.rho0 * weight * l0;
+        // m |f| / A with A = m/(rho0 dx); in a corner |f| belongs to several walls
+        const double pressed = fluid.rho0 * spacing_ * force / std::sqrt(double(walls));
+        const double most = 0.02 * fluid.c0;
+        double rate = lift_gain * (at_wall - pressed) / (fluid.rho0 * fluid.c0);
+        rate = std::clamp(rate, -most, most);
+        if ((along >= high && rate > 0) || (along <= low && rate < 0)) rate = 0;
+        for (int c = 0; c < 3; ++c) l.rate[c] += rate * n[c];
+        if (!l.listed) lifted_.push_back(p.id[i]);
+        l.listed = true;
     }
 }
 
@@ -393,10 +406,10 @@ void SurfaceImages::add_reactions() {
 
 void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
                         Particles& particles) {
+    find_touching(particles);
+    if (terms != Terms::rate) find_lifts(physics, particles);
     if (pairs_.empty()) return;
     const auto sum = [&](const auto& kernel) {
-        find_touching(particles);
-        if (terms != Terms::rate) find_lifts(physics, particles);
         find_backing(kernel, particles);
         add_pairs(physics, kernel, neighbors, particles);
         if (terms != Terms::rate) add_reactions();

@@ -47,6 +47,7 @@ class SurfaceImages {
     /// The point with which particle `id` touches lies at x - e and moves with v - rate.
     struct Lift {
         double e[3] = {0, 0, 0}, rate[3] = {0, 0, 0};  // [m], [m/s]
+        bool listed = false;                           // not at rest
     };
     const Lift& lift(std::int64_t id) const {
         return lift_[id];
@@ -109,7 +110,7 @@ class SurfaceImages {
     std::vector<Pair> pairs_;          // those within a block of near_, block by block, then the rest
     std::vector<std::size_t> block_begin_;   // [blocks + 1] into pairs_
     std::vector<Lift> lift_;  // by identity
-    std::vector<std::int64_t> lifted_;  // identities with an entry that is not at rest
+    std::vector<std::int64_t> lifted_;  // identities of the entries that are not at rest
     double spacing_ = 0;  // [m]
     bool stale_ = false;
 };

@@ -188,6 +188,32 @@ TEST_CASE("a layer that presses less than its pressure stands off the surface, a
     CHECK(fluid.contact_point(i)[2] == p.z[i]);   // no time, no lift
 }
 
+TEST_CASE("who leaves the surface comes back from his lift, and touches where he is") {
+    FluidSystem fluid = basin(true);
+    sum(fluid);
+    Particles& p = fluid.particles;
+    const int i = int(std::find_if(p.z.begin(), p.z.end(), [](double z) { return z < dx; }) -
+                      p.z.begin());
+    p.fz[i] *= 0.5;
+    fluid.sum_over_neighbors(Terms::force);
+    for (auto* v : {&p.vx, &p.vy, &p.vz, &p.fx, &p.fy}) std::fill(v->begin(), v->end(), 0.0);
+    fluid.kick_and_drift(1e-5, 0, 0, false);
+    REQUIRE(p.z[i] - fluid.contact_point(i)[2] > 0);
+    fluid.place_surface({}, {});   // no surface near: as around an edge, where the mirror ends
+    std::fill(p.fz.begin(), p.fz.end(), 0.0);
+    fluid.place_surface({0, 1, 2, 2}, {9, 9, 9, 10, 9, 9, 10, 10, 9});
+    fluid.sum_over_neighbors(Terms::force);
+    const double lift = p.z[i] - fluid.contact_point(i)[2];
+    const double tau = 400 * dx / fluid.fluid().c0;
+    CHECK(fluid.contact_velocity(i)[2] - p.vz[i] == Approx(lift / tau));
+    for (int n = 0; n < 100; ++n) {
+        fluid.sum_over_neighbors(Terms::force);
+        std::fill(p.az.begin(), p.az.end(), 0.0f);
+        fluid.kick_and_drift(tau / 10, 0, 0, false);
+    }
+    CHECK(p.z[i] - fluid.contact_point(i)[2] == Approx(0).margin(1e-3 * lift));
+}
+
 TEST_CASE("the images behind a surface leave the momentum of two fluids unchanged") {
     FluidSystem with = layered_basin(true, false, true), without = layered_basin(true, false, true);
     without.place_surface({}, {});
