@@ -2,16 +2,10 @@
 
 #include <algorithm>
 
+#include "fem_solver/boundary/facet_nodes.hpp"
+
 namespace undertow::fem {
 namespace {
-
-std::vector<std::int32_t> nodes_of(const std::vector<Quad>& facets) {
-    std::vector<std::int32_t> nodes;
-    for (const Quad& q : facets) nodes.insert(nodes.end(), q.begin(), q.end());
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    return nodes;
-}
 
 Row cross(const Row& a, const Row& b) {
     const Row a_yzx = __builtin_shufflevector(a, a, 1, 2, 0, 3);
@@ -24,10 +18,7 @@ Row cross(const Row& a, const Row& b) {
 
 PressureLoad::PressureLoad(const std::vector<Quad>& facets, double value, double ramp)
     : load(nodes_of(facets)), facets_(facets), value_(value), ramp_(ramp) {
-    for (Quad& q : facets_)
-        for (std::int32_t& n : q)
-            n = std::int32_t(std::lower_bound(load.node.begin(), load.node.end(), n) -
-                             load.node.begin());
+    number_within(load.node, facets_);
 }
 
 double PressureLoad::pressure(double t) const {

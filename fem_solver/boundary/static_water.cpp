@@ -3,25 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem_solver/boundary/facet_nodes.hpp"
+
 namespace undertow::fem {
-namespace {
-
-std::vector<std::int32_t> nodes_of(const std::vector<Quad>& facets) {
-    std::vector<std::int32_t> nodes;
-    for (const Quad& q : facets) nodes.insert(nodes.end(), q.begin(), q.end());
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    return nodes;
-}
-
-}  // namespace
 
 StaticWater::StaticWater(const std::vector<Quad>& facets, double weight_density, double level)
     : load(nodes_of(facets)), facets_(facets), weight_density_(weight_density), level_(level) {
-    for (Quad& q : facets_)
-        for (std::int32_t& n : q)
-            n = std::int32_t(std::lower_bound(load.node.begin(), load.node.end(), n) -
-                             load.node.begin());
+    number_within(load.node, facets_);
 }
 
 void StaticWater::evaluate(const NodeRows& x) {

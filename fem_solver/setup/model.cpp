@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "fem_solver/boundary/facet_nodes.hpp"
 #include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/setup/contact_sets.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
@@ -105,13 +106,8 @@ CoupledSurface make_surface(const FemSettings& fem, const Mesh& mesh) {
         surface.group.resize(surface.quad.size(), std::int32_t(surface.names.size()));
         surface.names.push_back(s.name);
     }
-    for (const Quad& q : surface.quad) surface.node.insert(surface.node.end(), q.begin(), q.end());
-    std::sort(surface.node.begin(), surface.node.end());
-    surface.node.erase(std::unique(surface.node.begin(), surface.node.end()), surface.node.end());
-    for (Quad& q : surface.quad)
-        for (std::int32_t& n : q)
-            n = std::int32_t(std::lower_bound(surface.node.begin(), surface.node.end(), n) -
-                             surface.node.begin());
+    surface.node = nodes_of(surface.quad);
+    number_within(surface.node, surface.quad);
     return surface;
 }
 
