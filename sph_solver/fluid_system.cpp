@@ -1,6 +1,7 @@
 #include "sph_solver/fluid_system.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,6 +18,8 @@ namespace {
 // Lists [steps] that wear out early get the wide skin [dx], those that last the narrow one.
 constexpr int short_lived = 8, long_lived = 40;
 constexpr double narrow_skin = 0.2, wide_skin = 0.4;
+// Particles may move this far [dx] before the images behind a coupled surface are found anew.
+constexpr double along_surface = 0.2;
 
 PairPhysics resolve_physics(const Case& input) {
     PairPhysics p;
@@ -75,14 +78,43 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     }
 }
 
+/// Whether the lists still hold every pair; may pack the records of time t to find out.
+bool FluidSystem::lists_hold(double t) {
+    const bool images = surface_.placed();
+    if (images && reach_ > along_surface * spacing_) return false;
+    switch (neighbors_.wear(reach_, plate_reach_)) {
+        case Neighborhood::Wear::none: return true;
+        case Neighborhood::Wear::out: return false;
+        case Neighborhood::Wear::perhaps: break;
+    }
+    if (plate_reach_ > 0) plates.move_to(t);
+#pragma omp parallel
+    {
+        pack_fluid();
+        pack_extras(false);
+        if (plate_reach_ > 0) pack_extras(true);
+    }
+    packed_ = true;
+    return !neighbors_.worn();
+}
+
 bool FluidSystem::refresh_neighbors(double t) {
     ++list_age_;
-    if (!neighbors_.due(reach_)) return false;
+    double plate_speed = 0;   // in the step to t
+    for (std::size_t k = 0; k < plates.walls.size(); ++k) {
+        const Vec3 v = plates.velocity(static_cast<int>(k), refreshed_);
+        plate_speed = std::max(plate_speed, std::hypot(v[0], v[1], v[2]));
+    }
+    plate_reach_ += plate_speed * (t - refreshed_);
+    refreshed_ = t;
+    put_back_behind_planes();
+    if (lists_hold(t)) return false;
+    packed_ = false;
     // where a step moves a particle far, longer lists cost less than frequent ones
     if (rebuilds_ > 0 && list_age_ < short_lived) neighbors_.set_skin(wide_skin * spacing_);
     if (list_age_ > long_lived) neighbors_.set_skin(narrow_skin * spacing_);
     list_age_ = 0;
-    keep_inside();
+    remove_outside();
     plates.move_to(t);
     neighbors_.rebuild(particles, plates, mirror_);
     if (physics_.mixed()) neighbors_.find_fluids(particles);
@@ -91,19 +123,22 @@ bool FluidSystem::refresh_neighbors(double t) {
     const FixedPoint& fixed = neighbors_.fixed();
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
-    find_rubbing();
+    find_near_planes();
     surface_.expire();
-    reach_ = 0;
+    reach_ = plate_reach_ = 0;
     ++rebuilds_;
     return true;
 }
 
 void FluidSystem::pack(double t) {
+    if (!packed_) {
 #pragma omp parallel
-    {
-        pack_fluid();
-        pack_extras(false);   // from the records just packed
+        {
+            pack_fluid();
+            pack_extras(false);   // from the records just packed
+        }
     }
+    packed_ = false;   // whatever comes next changes the particles
     if (neighbors_.plate_targets().empty()) return;   // no plate is near the fluid
     plates.move_to(t);
     extrapolate_to_plates(t);   // sees the fluid and its images
@@ -269,14 +304,30 @@ void FluidSystem::extrapolate_to_plates(double t) {
     }
 }
 
-void FluidSystem::find_rubbing() {
+/// Those with an image are all that may touch a plane before the next rebuild.
+void FluidSystem::find_near_planes() {
+    near_planes_.clear();
+    for (const Extra& e : neighbors_.extras())
+        if (!e.from_plate && std::has_single_bit(e.mask))
+            near_planes_.push_back({e.source, std::countr_zero(e.mask)});
+    // the lists wear out before a particle has come nearer by half the skin: its own image would
     rubbing_.clear();
     const double range = 1.5 * spacing_ + neighbors_.skin();
-    for (int k = 0; k < mirror_.size(); ++k) {
-        if (mirror_.plane(k).slip != Slip::no_slip) continue;
-        for (std::size_t i = 0; i < particles.size(); ++i)
-            if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < range)
-                rubbing_.push_back({static_cast<int>(i), k});
+    for (const NearPlane& near : near_planes_) {
+        const int i = near.particle;
+        if (mirror_.plane(near.plane).slip == Slip::no_slip &&
+            mirror_.distance(near.plane, particles.x[i], particles.y[i], particles.z[i]) < range)
+            rubbing_.push_back(near);
+    }
+}
+
+void FluidSystem::put_back_behind_planes() {
+    Particles& s = particles;
+    for (const NearPlane& near : near_planes_) {
+        const int i = near.particle;
+        if (mirror_.distance(near.plane, s.x[i], s.y[i], s.z[i]) >= 0) continue;
+        mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i]);
+        ++put_back_;
     }
 }
 
@@ -284,7 +335,7 @@ void FluidSystem::find_rubbing() {
 /// stress out among the layers of a lattice at any distance from the wall; its sum is one.
 /// A viscoplastic fluid has the viscosity of the shear rate u/z between itself and the wall.
 void FluidSystem::add_wall_friction() {
-    for (const Rubbing& r : rubbing_) {
+    for (const NearPlane& r : rubbing_) {
         const int i = r.particle;
         const Vec3& n = mirror_.plane(r.plane).normal;
         const double z = mirror_.distance(r.plane, particles.x[i], particles.y[i], particles.z[i]);
@@ -325,7 +376,7 @@ Vec3 FluidSystem::contact_velocity(int i) const {
 void FluidSystem::sum_over_neighbors(Terms terms) {
     undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
     if (!surface_.placed()) return;
-    if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_);
+    if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_);
     surface_.add(physics_, neighbors_, terms, particles);
 }
 
@@ -397,10 +448,6 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     fastest_ = std::sqrt(speed2);
     reach_ += fastest_ * dt;
     travelled_ += (fastest_ + surface_.advance(dt)) * dt;
-    for (const PlateWall& plate : plates.walls) {
-        const Vec3& v = plate.velocity;
-        reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);
-    }
     return {fastest_, std::sqrt(a2), compression / rho0, viscous_limit(), worst < 0, worst};
 }
 
@@ -431,11 +478,9 @@ double FluidSystem::largest_sound_speed() const {
     return c0;
 }
 
-void FluidSystem::keep_inside() {
-    Particles& s = particles;
-    for (std::size_t i = 0; i < s.size(); ++i)
-        if (mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i])) ++put_back_;
+void FluidSystem::remove_outside() {
     if (!domain_) return;
+    Particles& s = particles;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < s.size(); ++i) {
         const double at[3] = {s.x[i], s.y[i], s.z[i]};

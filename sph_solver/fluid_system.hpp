@@ -41,7 +41,8 @@ class FluidSystem {
     FluidSystem(const Case& input, double skin_over_spacing);
 
     // ---- the operations of a step, in order of use
-    /// Sorts and rebuilds all lists if a particle may have moved half the skin. Returns true if so.
+    /// Puts particles that got behind a plane back. Sorts and rebuilds all lists if one may lack a pair,
+    /// and removes what left the domain. Returns true if so.
     bool refresh_neighbors(double t);
     /// Packs positions, velocities, volumes and pressures of fluid, plates and images at time t.
     void pack(double t);
@@ -56,8 +57,6 @@ class FluidSystem {
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
-    /// Puts particles that got behind a wall back; removes those that left the domain.
-    void keep_inside();
 
     /// Index of a particle by identity, -1 if it was removed.
     int index_of(std::int64_t id) const { return index_[id]; }
@@ -102,7 +101,10 @@ class FluidSystem {
     void pack_fluid();
     void pack_extras(bool of_plates);
     void extrapolate_to_plates(double t);
-    void find_rubbing();
+    bool lists_hold(double t);
+    void find_near_planes();
+    void put_back_behind_planes();
+    void remove_outside();
     double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
@@ -117,13 +119,16 @@ class FluidSystem {
     bool with_surface_images_;
     std::optional<Box> domain_;
     std::optional<Start> start_;
-    struct Rubbing {
+    struct NearPlane {
         int particle, plane;
     };
-    std::vector<Rubbing> rubbing_;  // particles near no-slip planes
+    std::vector<NearPlane> near_planes_, rubbing_;   // all; those that may rub a no-slip one
+    bool packed_ = false;           // the records show the present state
     std::vector<int> index_;        // identity -> sorted index
     int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild
+    double refreshed_ = 0;          // time of the last refresh_neighbors [s]
+    double plate_reach_ = 0;        // bound on the plates' displacement since the last rebuild [m]
     double travelled_ = 0;          // [m]
     double fastest_ = 0;            // of the last step [m/s]
     std::vector<Removed> removed_;

@@ -69,7 +69,8 @@ double water_level(const FluidSystem& fluid, double x, double y) {
     double top = -std::numeric_limits<double>::infinity(), bottom = -top;
     for (std::size_t i = 0; i < p.size(); ++i) {
         bottom = std::min(bottom, p.z[i]);
-        if (std::hypot(p.x[i] - x, p.y[i] - y) < reach) top = std::max(top, p.z[i]);
+        const double dx = p.x[i] - x, dy = p.y[i] - y;
+        if (dx * dx + dy * dy < reach * reach) top = std::max(top, p.z[i]);
     }
     const double floor = bottom - 0.5 * fluid.spacing();
     if (top < bottom) return floor;   // dry

@@ -1,6 +1,7 @@
 #include "sph_solver/recorder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -107,13 +108,25 @@ void Recorder::write_energies(double t, const FluidSystem& fluid) {
     struct Sums {
         double kinetic = 0, potential = 0, elastic = 0;
     };
-    Sums of[FluidTag::most];
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        Sums& sum = of[p.fluid[i]];
-        sum.kinetic += p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
-        sum.potential -= g[0] * p.x[i] + g[1] * p.y[i] + g[2] * p.z[i];
-        sum.elastic += p.p[i] * p.p[i];
-    }
+    using ByFluid = std::array<Sums, FluidTag::most>;
+    constexpr int block = 4096;   // particles; sums of blocks, in order: the same for any threads
+    const int n = static_cast<int>(p.size()), blocks = (n + block - 1) / block;
+    std::vector<ByFluid> part(blocks);
+#pragma omp parallel for schedule(static)
+    for (int b = 0; b < blocks; ++b)
+        for (int i = b * block; i < std::min(n, (b + 1) * block); ++i) {
+            Sums& sum = part[b][p.fluid[i]];
+            sum.kinetic += p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
+            sum.potential -= g[0] * p.x[i] + g[1] * p.y[i] + g[2] * p.z[i];
+            sum.elastic += p.p[i] * p.p[i];
+        }
+    ByFluid of{};
+    for (const ByFluid& sums : part)
+        for (std::size_t k = 0; k < of.size(); ++k) {
+            of[k].kinetic += sums[k].kinetic;
+            of[k].potential += sums[k].potential;
+            of[k].elastic += sums[k].elastic;
+        }
     double row[4] = {t, 0, 0, 0};
     for (std::size_t k = 0; k < fluid.fluids().size(); ++k) {
         const FluidLaw& law = fluid.fluid(static_cast<int>(k));

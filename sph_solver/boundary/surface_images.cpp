@@ -109,11 +109,11 @@ int SurfaceImages::same_wall_of(int source, const double normal[3]) const {
 }
 
 void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& neighbors,
-                               double spacing) {
+                               double spacing, double moves) {
     stale_ = false;
     spacing_ = spacing;
     pairs_.clear();
-    const double reach = neighbors.support() + neighbors.skin();
+    const double reach = neighbors.support() + 2 * moves;
     // the other one of a pair is hardly nearer to the surface than a particle that touches
     find_near(particles, reach - 0.4 * spacing);
     const std::vector<Packed>& records = neighbors.records();

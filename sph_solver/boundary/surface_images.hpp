@@ -42,8 +42,10 @@ class SurfaceImages {
     void place(std::vector<std::int32_t> quad, std::vector<double> x);
 
     /// Finds the particles near the surface and the pairs (i, j') within the support. To be called
-    /// when stale: lists were rebuilt or the surface was placed. spacing [m].
-    void find_pairs(const Particles& particles, const Neighborhood& neighbors, double spacing);
+    /// when stale: lists were rebuilt or the surface was placed. spacing [m]; reach [m]: how far
+    /// particles may move until the next time.
+    void find_pairs(const Particles& particles, const Neighborhood& neighbors, double spacing,
+                    double reach);
     /// The point with which particle `id` touches lies at x - e and moves with v - rate.
     struct Lift {
         double e[3] = {0, 0, 0}, rate[3] = {0, 0, 0};  // [m], [m/s]

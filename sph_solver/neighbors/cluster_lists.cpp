@@ -1,7 +1,8 @@
 #include "sph_solver/neighbors/cluster_lists.hpp"
 
-#include <omp.h>
-
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <limits>
 
 #include "sph_solver/simd.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 struct Cluster {
     int8 x, y, z;                      // lanes; a cluster that is not full repeats its last member
-    double lo[3], hi[3];               // [m] bounds
+    std::int32_t fixed_lo[3], fixed_hi[3];   // bounds
+    double lo[3], hi[3];               // [m] the same
 };
 
 Cluster load(const std::vector<Packed>& records, const FixedPoint& fixed, int first, int last) {
@@ -31,6 +33,8 @@ Cluster load(const std::vector<Packed>& records, const FixedPoint& fixed, int fi
             hi[a] = std::max(hi[a], at[a]);
         }
     }
+    std::copy(lo, lo + 3, c.fixed_lo);
+    std::copy(hi, hi + 3, c.fixed_hi);
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     for (int a = 0; a < 3; ++a) {
         c.lo[a] = origin[a] + lo[a] * fixed.unit;
@@ -39,16 +43,49 @@ Cluster load(const std::vector<Packed>& records, const FixedPoint& fixed, int fi
     return c;
 }
 
-bool any_lane_below(float8 a, float limit) {
+/// Bit k: lane k is below the limit.
+unsigned lanes_below(float8 a, float limit) {
 #if defined(__AVX512VL__)
-    return _mm256_cmp_ps_mask((__m256)a, _mm256_set1_ps(limit), _CMP_LT_OQ) != 0;
+    return _mm256_cmp_ps_mask((__m256)a, _mm256_set1_ps(limit), _CMP_LT_OQ);
 #elif defined(__AVX__)
-    return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, _mm256_set1_ps(limit), _CMP_LT_OQ)) != 0;
+    return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, _mm256_set1_ps(limit), _CMP_LT_OQ));
 #else
-    for (int k = 0; k < lanes; ++k)
-        if (a[k] < limit) return true;
-    return false;
+    unsigned mask = 0;
+    for (int k = 0; k < lanes; ++k) mask |= unsigned(a[k] < limit) << k;
+    return mask;
 #endif
+}
+
+/// Distances between an interval and points, 0 inside.
+float8 outside(int8 x, std::int32_t lo, std::int32_t hi) {
+    const int8 below = lo - x, above = x - hi, d = below > above ? below : above;
+    return positive_part(to_real(d));
+}
+
+/// Appends the records of [j0, j1) that are near the cluster: first whole eights against its box, then
+/// those near the box against its members.
+int append_near(const Cluster& own, const std::int32_t* x, const std::int32_t* y,
+                const std::int32_t* z, int j0, int j1, float range2, int* out) {
+    int found = 0;
+    for (int j = j0; j < j1; j += lanes) {
+        int8 jx, jy, jz;
+        __builtin_memcpy(&jx, x + j, sizeof jx);
+        __builtin_memcpy(&jy, y + j, sizeof jy);
+        __builtin_memcpy(&jz, z + j, sizeof jz);
+        const float8 bx = outside(jx, own.fixed_lo[0], own.fixed_hi[0]),
+                     by = outside(jy, own.fixed_lo[1], own.fixed_hi[1]),
+                     bz = outside(jz, own.fixed_lo[2], own.fixed_hi[2]);
+        unsigned near_box = lanes_below(bx * bx + by * by + bz * bz, range2);
+        if (j + lanes > j1) near_box &= (1u << (j1 - j)) - 1;
+        for (; near_box; near_box &= near_box - 1) {
+            const int k = j + std::countr_zero(near_box);
+            const float8 dx = to_real(own.x - x[k]), dy = to_real(own.y - y[k]),
+                         dz = to_real(own.z - z[k]);
+            out[found] = k;
+            found += lanes_below(dx * dx + dy * dy + dz * dz, range2) != 0;
+        }
+    }
+    return found;
 }
 
 }  // namespace
@@ -56,46 +93,62 @@ bool any_lane_below(float8 a, float limit) {
 void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
                          const std::vector<Packed>& records, int first, int n,
                          const std::vector<SourceCells>& sources, double range) {
-    const int clusters = (n + lanes - 1) / lanes;
+    const int clusters = (n + lanes - 1) / lanes, all = static_cast<int>(records.size());
     begin_.resize(clusters);
     count_.resize(clusters);
+    of_first_kind_.resize(clusters);
+    for (auto* a : {&x_, &y_, &z_}) a->resize(all + lanes);   // the last eight may reach beyond
     constexpr int block = 64;   // clusters per buffer: small enough to share out evenly
     const int blocks = (clusters + block - 1) / block;
     if (static_cast<int>(buffer_.size()) < blocks) buffer_.resize(blocks);
     const float range2 = static_cast<float>(range / fixed.unit * (range / fixed.unit));
 
-#pragma omp parallel for schedule(dynamic, 1)
-    for (int b = 0; b < blocks; ++b) {
-        std::vector<int>& list = buffer_[b];
-        list.clear();
-        const int c0 = b * block, c1 = std::min(clusters, c0 + block);
-        for (int c = c0; c < c1; ++c) {
-            const std::size_t begin = list.size();
-            const Cluster own = load(records, fixed, first + c * lanes, first + n);
-            const int ix0 = grid.column_x(own.lo[0] - range), ix1 = grid.column_x(own.hi[0] + range);
-            const int iy0 = grid.column_y(own.lo[1] - range), iy1 = grid.column_y(own.hi[1] + range);
-            const int k0 = grid.level(own.lo[2] - range), k1 = grid.level(own.hi[2] + range);
-            for (const SourceCells& source : sources)
-                for (int iy = iy0; iy <= iy1; ++iy)
-                    for (int ix = ix0; ix <= ix1; ++ix) {
-                        std::int64_t cell0, cell1;
-                        grid.range(ix, iy, k0, k1, cell0, cell1);
-                        const int j0 = source.base + (*source.start)[cell0];
-                        const int j1 = source.base + (*source.start)[cell1 + 1];
-                        for (int j = j0; j < j1; ++j) {
-                            const Packed& q = records[j];
-                            const float8 dx = to_real(own.x - q.x), dy = to_real(own.y - q.y),
-                                         dz = to_real(own.z - q.z);
-                            if (any_lane_below(dx * dx + dy * dy + dz * dz, range2))
-                                list.push_back(j);
+#pragma omp parallel
+    {
+#pragma omp for schedule(static)
+        for (int j = 0; j < all; ++j) x_[j] = records[j].x, y_[j] = records[j].y, z_[j] = records[j].z;
+
+#pragma omp for schedule(dynamic, 1)
+        for (int b = 0; b < blocks; ++b) {
+            std::vector<int>& list = buffer_[b];
+            std::size_t length = 0;
+            const int c0 = b * block, c1 = std::min(clusters, c0 + block);
+            for (int c = c0; c < c1; ++c) {
+                const std::size_t begin = length;
+                const Cluster own = load(records, fixed, first + c * lanes, first + n);
+                const int ix0 = grid.column_x(own.lo[0] - range),
+                          ix1 = grid.column_x(own.hi[0] + range),
+                          iy0 = grid.column_y(own.lo[1] - range),
+                          iy1 = grid.column_y(own.hi[1] + range);
+                for (const SourceCells& source : sources) {
+                    for (int iy = iy0; iy <= iy1; ++iy) {
+                        const double dy = grid.gap_y(iy, own.lo[1], own.hi[1]);
+                        for (int ix = ix0; ix <= ix1; ++ix) {
+                            const double dx = grid.gap_x(ix, own.lo[0], own.hi[0]);
+                            const double up2 = range * range - dx * dx - dy * dy;
+                            if (up2 < 0) continue;   // the column passes by
+                            const double up = std::sqrt(up2);
+                            std::int64_t cell0, cell1;
+                            grid.range(ix, iy, grid.level(own.lo[2] - up),
+                                       grid.level(own.hi[2] + up), cell0, cell1);
+                            const int j0 = source.base + (*source.start)[cell0];
+                            const int j1 = source.base + (*source.start)[cell1 + 1];
+                            if (list.size() < length + (j1 - j0) + 1)
+                                list.resize(2 * list.size() + (j1 - j0) + 1024);
+                            length += append_near(own, x_.data(), y_.data(), z_.data(), j0, j1,
+                                                  range2, list.data() + length);
                         }
                     }
-            count_[c] = static_cast<int>(list.size() - begin);
-        }
-        const int* at = list.data();   // only now: push_back may have moved it
-        for (int c = c0; c < c1; ++c) {
-            begin_[c] = at;
-            at += count_[c];
+                    if (&source == &sources.front())
+                        of_first_kind_[c] = static_cast<int>(length - begin);
+                }
+                count_[c] = static_cast<int>(length - begin);
+            }
+            const int* at = list.data();   // only now: resize may have moved it
+            for (int c = c0; c < c1; ++c) {
+                begin_[c] = at;
+                at += count_[c];
+            }
         }
     }
 }

@@ -26,12 +26,15 @@ class ClusterLists {
     int clusters() const { return static_cast<int>(begin_.size()); }
     const int* begin(int c) const { return begin_[c]; }
     const int* end(int c) const { return begin_[c] + count_[c]; }
+    /// Sources of the second kind and after: the kinds come one after the other in each list.
+    const int* second(int c) const { return begin_[c] + of_first_kind_[c]; }
     std::int64_t entries() const;
 
  private:
     std::vector<const int*> begin_;
-    std::vector<int> count_;
+    std::vector<int> count_, of_first_kind_;
     std::vector<std::vector<int>> buffer_;   // one per block of clusters; keeps its capacity
+    std::vector<std::int32_t> x_, y_, z_;    // of all records, to look at sixteen at once
 };
 
 }  // namespace undertow::sph

@@ -15,7 +15,7 @@ class ColumnGrid {
     /// lo, hi [m]: bounds of everything that will be binned; width, height of a cell [m].
     void lay_out(const double lo[3], const double hi[3], double width, double height) {
         x0_ = lo[0], y0_ = lo[1], z0_ = lo[2];
-        inverse_width_ = 1 / width, inverse_height_ = 1 / height;
+        width_ = width, inverse_width_ = 1 / width, inverse_height_ = 1 / height;
         nx_ = count(hi[0] - x0_, inverse_width_);
         ny_ = count(hi[1] - y0_, inverse_width_);
         nz_ = count(hi[2] - z0_, inverse_height_);
@@ -35,6 +35,11 @@ class ColumnGrid {
         return column * nz_ + (column % 2 ? nz_ - 1 - k : k);
     }
 
+    /// Gap between [lo, hi] and column ix (or iy) along the axis [m]; 0 where they overlap. Columns at the
+    /// rim hold all that lies beyond.
+    double gap_x(int ix, double lo, double hi) const { return gap(ix, nx_, x0_, lo, hi); }
+    double gap_y(int iy, double lo, double hi) const { return gap(iy, ny_, y0_, lo, hi); }
+
     /// Cells of column (ix, iy) between levels k0 and k1: [first, last], consecutive numbers.
     void range(int ix, int iy, int k0, int k1, std::int64_t& first, std::int64_t& last) const {
         const std::int64_t column = rank(ix, iy);
@@ -46,6 +51,11 @@ class ColumnGrid {
     static int count(double extent, double inverse) {
         return std::max(1, static_cast<int>(std::floor(extent * inverse)) + 1);
     }
+    double gap(int i, int n, double origin, double lo, double hi) const {
+        if (i == 0 || i == n - 1) return 0;
+        const double begin = origin + i * width_, end = begin + width_;
+        return std::max({0.0, begin - hi, lo - end}) - 1e-9 * width_;   // rounding of the binning
+    }
     static int clamp(double cell, int n) {
         return static_cast<int>(std::clamp(cell, 0.0, n - 1.0));
     }
@@ -53,7 +63,7 @@ class ColumnGrid {
         return std::int64_t(iy) * nx_ + (iy % 2 ? nx_ - 1 - ix : ix);
     }
 
-    double x0_ = 0, y0_ = 0, z0_ = 0, inverse_width_ = 1, inverse_height_ = 1;
+    double x0_ = 0, y0_ = 0, z0_ = 0, width_ = 1, inverse_width_ = 1, inverse_height_ = 1;
     int nx_ = 1, ny_ = 1, nz_ = 1;
 };
 

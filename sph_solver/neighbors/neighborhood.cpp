@@ -15,7 +15,7 @@ constexpr double cell_width = 1.6, cell_height = 0.8;   // [dx]
 
 }  // namespace
 
-void Neighborhood::lay_out_grid(const Particles& particles) {
+void Neighborhood::lay_out_grid(const Particles& particles, bool with_plates) {
     const int n = static_cast<int>(particles.size());
     double x0 = 1e300, y0 = 1e300, z0 = 1e300, x1 = -1e300, y1 = -1e300, z1 = -1e300;
 #pragma omp parallel for reduction(min : x0, y0, z0) reduction(max : x1, y1, z1)
@@ -25,7 +25,8 @@ void Neighborhood::lay_out_grid(const Particles& particles) {
         z0 = std::min(z0, particles.z[i]), z1 = std::max(z1, particles.z[i]);
     }
     if (n == 0) x0 = y0 = z0 = x1 = y1 = z1 = 0;
-    const double margin = support_ + 2 * skin_;
+    // dummies outside are left out: none may come near before the next rebuild
+    const double margin = support_ + (with_plates ? fluid_goes_ + dummies_go_ : 2 * skin_);
     const double lo[3] = {x0 - margin, y0 - margin, z0 - margin};
     const double hi[3] = {x1 + margin, y1 + margin, z1 + margin};
     // A few particles thrown far must not cost memory: widen the cells rather than have 16 per particle.
@@ -88,7 +89,7 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
     unsorted_extras_.clear();
     const auto add_images = [&](int source, double x, double y, double z, bool from_plate) {
         masks_.clear();
-        mirror.images_of(x, y, z, range, masks_);
+        mirror.images_of(x, y, z, from_plate ? range + dummies_go_ : range, masks_);
         for (const PlaneMask mask : masks_) unsorted_extras_.push_back({source, mask, from_plate});
     };
     // images of the fluid first: they are the sources of the plates' extrapolation
@@ -135,12 +136,17 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
 
 void Neighborhood::rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror) {
     fluid_count_ = static_cast<int>(particles.size());
-    lay_out_grid(particles);
+    lay_out_grid(particles, plates.size() > 0);
     sort(particles);
     find_extras(particles, plates, mirror);
     const double range = support_ + skin_;
     fluid_lists_.build(grid_, fixed_, records_, 0, fluid_count_,
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
+
+    std::vector<DriftWatch::Border> borders;
+    for (int k = 0; k < mirror.size(); ++k)
+        borders.push_back({mirror.plane(k).point, mirror.plane(k).normal});
+    watch_.start(records_, fluid_count_, fixed_, support_, range, borders);
 
     // The plates' dummies are targets as well: records of their own, sources only fluid and its images
     // (images of dummies are skipped in the sum).

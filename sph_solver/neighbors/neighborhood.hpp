@@ -1,12 +1,14 @@
 #pragma once
 // Everything the pair loop walks over: packed records of the fluid, then of plates and mirror images
-// ("extras"), and the cluster lists over them. Rebuilt when a particle may have moved half the skin.
+// ("extras"), and the cluster lists over them. Rebuilt when a pair may be missing, see DriftWatch.
 
+#include <algorithm>
 #include <vector>
 
 #include "sph_solver/boundary/mirror_planes.hpp"
 #include "sph_solver/boundary/plates.hpp"
 #include "sph_solver/neighbors/cluster_lists.hpp"
+#include "sph_solver/neighbors/drift_watch.hpp"
 #include "sph_solver/particles.hpp"
 
 namespace undertow::sph {
@@ -24,7 +26,11 @@ class Neighborhood {
  public:
     /// support: 2h [m]; skin [m]; spacing dx [m].
     Neighborhood(double support, double skin, double spacing)
-        : support_(support), skin_(skin), spacing_(spacing) {}
+        : support_(support),
+          skin_(skin),
+          spacing_(spacing),
+          fluid_goes_(1.5 * support),
+          dummies_go_(spacing) {}
 
     /// Sorts the particles (all arrays), finds the extras, and builds all lists.
     void rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
@@ -32,7 +38,16 @@ class Neighborhood {
     /// are several. Other clusters run as if their fluid were the only one.
     void find_fluids(const Particles& particles);
 
-    bool due(double reach) const { return 2 * reach > skin_; }
+    /// Whether a pair may be missing from the lists: surely not while nothing has moved by half the
+    /// skin (reach: the most that fluid has, dummies: that dummies have [m]), surely where anything
+    /// has moved farther than the lists look out for it; in between the records decide, which must
+    /// show the present positions.
+    enum class Wear { none, perhaps, out };
+    Wear wear(double reach, double dummies) const {
+        if (2 * std::max(reach, dummies) <= skin_) return Wear::none;
+        return reach > fluid_goes_ || dummies > dummies_go_ ? Wear::out : Wear::perhaps;
+    }
+    bool worn() { return watch_.worn(records_); }
     double support() const { return support_; }
     double skin() const { return skin_; }
     /// For the next rebuild [m].
@@ -72,11 +87,13 @@ class Neighborhood {
     }
 
  private:
-    void lay_out_grid(const Particles& particles);
+    void lay_out_grid(const Particles& particles, bool with_plates);
     void sort(Particles& particles);
     void find_extras(const Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
 
     double support_, skin_, spacing_;   // [m]
+    double fluid_goes_, dummies_go_;    // [m] how far, from one rebuild to the next
+    DriftWatch watch_;
     double lo_[3], hi_[3];              // [m] bounds of the grid
     ColumnGrid grid_;
     FixedPoint fixed_;

@@ -1,5 +1,7 @@
 // What the fluids press on the mirror planes, from the same pair terms as the sums.
 
+#include <algorithm>
+
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/physics/pair_clusters.hpp"
 
@@ -7,30 +9,42 @@ namespace undertow::sph {
 
 namespace {
 
-/// Calls f(mask, ax, ay, az) with the accelerations that the eight get from each image at a plane.
+/// The sums over the images of each kind that a cluster meets; a thread's own, reused.
+struct ByMask {
+    std::vector<PairSums<float8>> sum;  // [2^planes]
+    std::vector<PlaneMask> met;
+};
+
+/// Calls f(mask, ax, ay, az) with the accelerations that the eight get from all images of one mask.
 template <class KernelLaw, Content content, class OfOwn, class F>
-void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
-                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                    F&& f) {
+void for_each_mask(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
+                   const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
+                   ByMask& by, F&& f) {
     constexpr bool variable = content == Content::viscoplastic;
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
-    for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
-        if (*at < n) continue;
+    for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) {
         const PlaneMask mask = neighbors.extras()[*at - n].mask;
         if (mask == 0) continue;
         const Packed& j = records[*at];
-        PairSums<float8> sum;
+        if (std::find(by.met.begin(), by.met.end(), mask) == by.met.end()) {
+            by.met.push_back(mask);
+            by.sum[mask] = {};
+        }
         add_pair<KernelLaw, Terms::force, content>(
-            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, sum,
+            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, by.sum[mask],
             with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f);
+    }
+    std::sort(by.met.begin(), by.met.end());  // in an order that does not depend on the lists'
+    for (const PlaneMask mask : by.met) {
         const float8 per_rho = i.volume * k.per_mass;
         float8 ax, ay, az;
-        acceleration(k, per_rho, sum, ax, ay, az);
+        acceleration(k, per_rho, by.sum[mask], ax, ay, az);
         f(mask, ax, ay, az);
     }
+    by.met.clear();
 }
 
 template <class KernelLaw>
@@ -49,40 +63,45 @@ std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborho
     // per cluster first, then summed in order: the same bits for any number of threads
     std::vector<double> part(clusters * planes * fluids, 0.0);
 
-#pragma omp parallel for schedule(dynamic, 32)
-    for (int cluster = 0; cluster < clusters; ++cluster) {
-        const int first = cluster * lanes, members = std::min(lanes, n - first);
-        Lanes i = load_cluster(records, first, n);
-        double* force = &part[cluster * planes * fluids];
-        const auto add = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
-            double a[FluidTag::most][3] = {};
-            for (int lane = 0; lane < members; ++lane) {
-                double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
-                of[0] += ax[lane], of[1] += ay[lane], of[2] += az[lane];
+#pragma omp parallel
+    {
+        ByMask by;
+        by.sum.resize(std::size_t(1) << planes);
+#pragma omp for schedule(dynamic, 32)
+        for (int cluster = 0; cluster < clusters; ++cluster) {
+            const int first = cluster * lanes, members = std::min(lanes, n - first);
+            Lanes i = load_cluster(records, first, n);
+            double* force = &part[cluster * planes * fluids];
+            const auto add = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
+                double a[FluidTag::most][3] = {};
+                for (int lane = 0; lane < members; ++lane) {
+                    double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
+                    of[0] += ax[lane], of[1] += ay[lane], of[2] += az[lane];
+                }
+                for (std::size_t p = 0; p < planes; ++p) {
+                    if (!(mask >> p & 1)) continue;
+                    const Vec3& normal = mirror.plane(static_cast<int>(p)).normal;
+                    for (std::size_t f = 0; f < fluids; ++f)
+                        force[p * fluids + f] +=
+                            physics.fluids[f].mass *
+                            (a[f][0] * normal[0] + a[f][1] * normal[1] + a[f][2] * normal[2]);
+                }
+            };
+            if (!mixed) {
+                for_each_mask<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
+                                                             by, add);
+                continue;
             }
-            for (std::size_t p = 0; p < planes; ++p) {
-                if (!(mask >> p & 1)) continue;
-                const Vec3& normal = mirror.plane(static_cast<int>(p)).normal;
-                for (std::size_t f = 0; f < fluids; ++f)
-                    force[p * fluids + f] +=
-                        physics.fluids[f].mass *
-                        (a[f][0] * normal[0] + a[f][1] * normal[1] + a[f][2] * normal[2]);
-            }
-        };
-        if (!mixed) {
-            for_each_image<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
-                                                          add);
-            continue;
+            MixedLanes m;
+            look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
+                    i.own, m);
+            if (variable)
+                for_each_mask<KernelLaw, Content::viscoplastic>(
+                    mixture.constants, m.factors, i, m.with, neighbors, cluster, by, add);
+            else
+                for_each_mask<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                                                           neighbors, cluster, by, add);
         }
-        MixedLanes m;
-        look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
-                i.own, m);
-        if (variable)
-            for_each_image<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
-                                                             m.with, neighbors, cluster, add);
-        else
-            for_each_image<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
-                                                        neighbors, cluster, add);
     }
     std::vector<double> force(planes * fluids, 0.0);
     for (int cluster = 0; cluster < clusters; ++cluster)
