@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "case/expression.hpp"
+
 namespace undertow {
 
 using Vec3 = std::array<double, 3>;
@@ -73,6 +75,9 @@ struct Fill {                            // [[sph.fill]] particles, cell-centere
     std::vector<std::array<double, 2>> profile{};// [m] polygon in x, z that cuts a prism out of the
                                          // box; empty = the whole box
     Vec3 velocity{};                     // [m/s]
+    std::vector<Expression> velocity_field{};   // [m/s] vx, vy, vz of x, y, z, where `velocity` holds
+                                         // formulas; empty = `velocity` everywhere
+    std::optional<Expression> pressure{};// [Pa] of x, y, z at the start; none = hydrostatic
     double ramp = 0;                     // [s] > 0: after start.settle the fill is moved as a block,
                                          // its speed rising smoothly from 0 to `velocity` in this
                                          // time, then let go where box and profile say; it starts
