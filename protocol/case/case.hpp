@@ -116,6 +116,36 @@ struct SphGauge {                        // [[sph.gauge]]
     Vec3 direction{1, 0, 0};             // front: which way it runs
 };
 
+struct Inflow {                          // [[sph.inflow]] an opening through which fluid comes
+    std::string name;
+    std::string fluid;
+    Box box;                             // [m] the opening: flat along one axis
+    Vec3 normal{1, 0, 0};                // along that axis, into the fluid
+    std::optional<Expression> velocity{};// [m/s] along the normal, a number or a formula of x, y, z, t
+    std::optional<double> level{};       // [m] z of a free surface: nothing comes above; none = the
+                                         // whole opening
+};
+
+struct Outflow {                         // [[sph.outflow]] an opening through which fluid leaves
+    std::string name;
+    Box box;                             // [m] the opening: flat along one axis
+    Vec3 normal{1, 0, 0};                // along that axis, into the fluid
+    std::optional<double> pressure{};    // [Pa] held in the middle of the opening, or
+    std::optional<double> level{};       // [m] z of p = 0 of the water beyond it; neither = the flow
+                                         // goes on as it comes
+};
+
+/// A region in which motion dies out towards one side, so that neither sound nor surface waves come
+/// back from there.
+struct AbsorbingLayer {                  // [[sph.absorbing]]
+    std::string name;
+    Box box;                             // [m]
+    Vec3 direction{1, 0, 0};             // along an axis, toward the boundary: damping rises that way
+    Vec3 velocity{};                     // [m/s] of the current that remains
+    double strength = 0;                 // waves come back weaker by exp(-strength); 0 = the default
+    double wave_speed = 0;               // [m/s] of the fastest surface wave; 0 = sqrt(g H) of the fills
+};
+
 struct SphSettings {
     bool present = false;                // the case has an [sph] table
     double spacing = 0;                  // [m] dx
@@ -137,6 +167,9 @@ struct SphSettings {
     std::vector<Obstacle> obstacle;
     std::vector<PlaneWall> plane;
     std::vector<PlateWall> plate;
+    std::vector<Inflow> inflow;
+    std::vector<Outflow> outflow;
+    std::vector<AbsorbingLayer> absorbing;
     std::vector<SphGauge> gauge;
 };
 

@@ -96,6 +96,32 @@ void to_json(Json& j, const PlateWall& v) {
          {"start", v.start}, {"stop", number(v.stop)}, {"slip", name(v.slip)}};
 }
 
+void to_json(Json& j, const Inflow& v) {
+    j = {{"name", v.name},
+         {"fluid", v.fluid},
+         {"box", v.box},
+         {"normal", v.normal},
+         {"velocity", v.velocity ? Json(v.velocity->text()) : Json(nullptr)},
+         {"level", v.level ? Json(*v.level) : Json(nullptr)}};
+}
+
+void to_json(Json& j, const Outflow& v) {
+    j = {{"name", v.name},
+         {"box", v.box},
+         {"normal", v.normal},
+         {"pressure", v.pressure ? Json(*v.pressure) : Json(nullptr)},
+         {"level", v.level ? Json(*v.level) : Json(nullptr)}};
+}
+
+void to_json(Json& j, const AbsorbingLayer& v) {
+    j = {{"name", v.name},
+         {"box", v.box},
+         {"direction", v.direction},
+         {"velocity", v.velocity},
+         {"strength", v.strength},
+         {"wave_speed", v.wave_speed}};
+}
+
 void to_json(Json& j, const SphGauge& v) {
     j = {{"name", v.name}, {"kind", name(v.kind)}, {"point", v.point}, {"direction", v.direction}};
 }
@@ -118,6 +144,9 @@ void to_json(Json& j, const SphSettings& v) {
          {"obstacle", v.obstacle},
          {"plane", v.plane},
          {"plate", v.plate},
+         {"inflow", v.inflow},
+         {"outflow", v.outflow},
+         {"absorbing", v.absorbing},
          {"gauge", v.gauge}};
 }
 

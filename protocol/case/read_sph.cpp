@@ -175,7 +175,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.require("spacing",
                    "the particle spacing in m, typically 1/20 of the smallest thickness");
     reader.require("fluid", "at least one [[sph.fluid]]");
-    reader.require("fill", "at least one [[sph.fill]]");
+    if (!reader.has("inflow")) reader.require("fill", "at least one [[sph.fill]]");
     reader.number("spacing", sph.spacing, positive("m"));
     reader.choice<Kernel>(
         "kernel", sph.kernel,
@@ -195,11 +195,6 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     Box domain;
     reader.box("domain", domain, axes_of(info));
     if (reader.has_table("domain")) sph.domain = domain;
-    reader.words("periodic", sph.periodic,
-                 info.dimension == 2 ? std::vector<std::string>{"x", "z"}
-                                     : std::vector<std::string>{"x", "y", "z"});
-    if (!sph.periodic.empty() && !sph.domain)
-        reader.reject("periodic", "needs sph.domain, whose extent is the period.");
 
     reader.tables("fluid",
                   [&](TableReader& entry) { read_fluid(entry, sph.fluid.emplace_back()); });
@@ -213,6 +208,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.tables("plate", [&](TableReader& entry) {
         read_plate(entry, sph.plate.emplace_back(), sph, info);
     });
+    read_sph_ends(reader, sph, info);
     reader.tables("gauge",
                   [&](TableReader& entry) { read_gauge(entry, sph.gauge.emplace_back()); });
 }

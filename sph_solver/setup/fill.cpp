@@ -66,7 +66,7 @@ Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
         particles.resize(i);
     }
     filled.first_id.push_back(static_cast<std::int64_t>(i));
-    if (i == 0)
+    if (i == 0 && input.sph.inflow.empty())
         throw InputError(fmt::format("{}: sph.fill: no particles; add a [[sph.fill]].", input.file));
     if (i > 2000000000u / 8)
         throw InputError(fmt::format("{}: {} particles are more than this version can index.",
