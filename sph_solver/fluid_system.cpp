@@ -49,10 +49,13 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
               Periodic(input.sph.periodic, input.sph.domain, 2 * physics_.h)),
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
-      domain_(input.sph.domain) {
+      domain_(input.sph.domain),
+      openings_(input, physics_) {
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
+    const std::size_t first_buffered = particles.size();
+    openings_.fill(mirror_, domain_, particles);
     plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
     index_.resize(particles.size());
     surface_.expect(particles.size());
@@ -65,7 +68,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
         fastest_ = std::max(fastest_,
                             std::hypot(particles.vx[i], particles.vy[i], particles.vz[i]));
         particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);
-        ++filled_[particles.fluid[i]];
+        if (i < first_buffered) ++filled_[particles.fluid[i]];
         if (!particles.viscosity.empty())
             particles.viscosity[i] = static_cast<float>(fluid_of(i).viscosity_at_rest());
         for (int k = 0; k < mirror_.size(); ++k)
@@ -91,6 +94,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     if (physics_.mixed()) neighbors_.find_fluids(particles);
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
+    openings_.locate(particles, index_, neighbors_);
     const FixedPoint& fixed = neighbors_.fixed();
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
@@ -106,6 +110,11 @@ void FluidSystem::pack(double t) {
     {
         pack_fluid();
         pack_extras(false);   // from the records just packed
+    }
+    if (openings_.any()) {   // they look at the fluid and its images, then have images themselves
+        openings_.extrapolate(physics_, tag_, neighbors_, particles);
+#pragma omp parallel
+        pack_extras(false);
     }
     if (neighbors_.plate_targets().empty()) return;   // no plate is near the fluid
     plates.move_to(t);
@@ -365,6 +374,11 @@ void FluidSystem::constrain_start(double t, double dt, double dt_before) {
         start_->constrain(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
 }
 
+void FluidSystem::constrain_ends(double t, double dt, double dt_before) {
+    if (openings_.any())
+        openings_.prescribe(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
+}
+
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
                                    bool extrapolate) {
     const double kick = 0.5 * (dt + dt_before);
@@ -463,7 +477,9 @@ void FluidSystem::keep_inside() {
     Particles& s = particles;
     for (std::size_t i = 0; i < s.size(); ++i)
         if (mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i])) ++put_back_;
-    if (!domain_) return;
+    openings_.exchange(particles, index_);
+    if (index_.size() > surface_.expected()) surface_.expect(index_.size());
+    if (!domain_ && !openings_.any()) return;
     if (!periodic().axes().empty())
         for (std::size_t i = 0; i < s.size(); ++i) {
             double at[3] = {s.x[i], s.y[i], s.z[i]};
@@ -474,8 +490,9 @@ void FluidSystem::keep_inside() {
     for (std::size_t i = 0; i < s.size(); ++i) {
         const double at[3] = {s.x[i], s.y[i], s.z[i]};
         bool inside = true;
-        for (int a = 0; a < 3; ++a)
+        for (int a = 0; domain_ && a < 3; ++a)
             inside = inside && at[a] >= domain_->min[a] && at[a] <= domain_->max[a];
+        if (openings_.any() && openings_.gone(i)) continue;   // counted when it went over the plane
         if (!inside) {
             removed_.push_back({s.id[i], s.fluid[i], fluid_of(i).mass / (fluid_of(i).rho0 + s.drho[i]),
                                 {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}});

@@ -31,6 +31,21 @@ double start_speed(const Fill& f) {
     return speed;
 }
 
+/// Largest speed that comes through an opening [m/s], from 16 samples to each side and in time.
+double inflow_speed(const Inflow& f, double end) {
+    constexpr int samples = 16;
+    const int across = f.normal[0] != 0 ? 1 : 0, up = f.normal[2] != 0 ? 1 : 2;
+    double speed = 0;
+    for (int n = 0; n < samples * samples * samples; ++n) {
+        Vec3 x = f.box.min;
+        x[across] += (n % samples + 0.5) / samples * (f.box.max[across] - f.box.min[across]);
+        x[up] += (n / samples % samples + 0.5) / samples * (f.box.max[up] - f.box.min[up]);
+        const double t = end * (n / (samples * samples) + 1) / samples;
+        speed = std::max(speed, (*f.velocity)(x[0], x[1], x[2], t));
+    }
+    return speed;
+}
+
 }  // namespace
 
 double expected_speed(const Case& input) {
@@ -41,6 +56,7 @@ double expected_speed(const Case& input) {
         high = std::max(high, f.surface_level.value_or(f.box.max[2]));
         speed = std::max(speed, start_speed(f));
     }
+    for (const Inflow& f : input.sph.inflow) speed = std::max(speed, inflow_speed(f, input.time.end));
     const Vec3 g = balanced_gravity(input);   // along periodic axes nothing bounds the fall
     const double fall = std::hypot(g[0], g[1], g[2]) * std::max(0.0, high - low);
     const double expected = 2 * std::sqrt(fall) + speed;
