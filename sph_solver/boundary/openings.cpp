@@ -188,6 +188,7 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
         members_[kept++] = member;
     }
     members_.resize(kept);
+    const std::size_t standing = kept;
     for (std::size_t i = 0; i < p.size(); ++i) {
         if (role_[i] != 0) continue;
         for (std::size_t k = 0; k < openings_.size(); ++k) {
@@ -205,12 +206,30 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
             const double v = o.axis == 0 ? p.vx[i] : o.axis == 1 ? p.vy[i] : p.vz[i];
             members_.push_back({p.id[i], static_cast<int>(k), static_cast<int>(i), -o.sign * v,
                                 p.p[i], p.p[i], -o.sign * v, {p.vx[i], p.vy[i], p.vz[i]}});
+            inherit_reference(p, standing, members_.back());
             role_[i] = static_cast<std::uint8_t>(k + 1);
             count(o, p, i, -1);
             break;
         }
     }
     append_copies(particles, index);
+}
+
+/// A particle that goes out takes the slow reference over from who stands in the buffer beside its way;
+/// its own state is that of the wave that carries it out, and would send the wave back.
+void Openings::inherit_reference(const Particles& p, std::size_t standing, Member& m) const {
+    const int axis = openings_[m.opening].axis;
+    double closest = 1.5 * spacing_ * 1.5 * spacing_;
+    for (std::size_t k = 0; k < standing; ++k) {
+        const Member& other = members_[k];
+        if (other.opening != m.opening) continue;
+        const double d[3] = {p.x[other.index] - p.x[m.index], p.y[other.index] - p.y[m.index],
+                             p.z[other.index] - p.z[m.index]};
+        const double apart = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - d[axis] * d[axis];
+        if (apart >= closest) continue;
+        closest = apart;
+        m.u_ref = other.u_ref, m.p_ref = other.p_ref;
+    }
 }
 
 /// All at once: the arrays grow by doubling, a few times in a run.

@@ -104,6 +104,7 @@ class Openings {
     double depth(const Opening& o, const Particles& p, std::size_t i) const;   // outside > 0 [m]
     bool before(const Opening& o, const Particles& p, std::size_t i) const;    // within its box
     static void count(Opening& o, const Particles& p, std::size_t i, int direction);
+    void inherit_reference(const Particles& particles, std::size_t standing, Member& m) const;
     void append_copies(Particles& particles, std::vector<int>& index);
     bool look_inside(const PairPhysics& physics, const Neighborhood& neighbors, const Opening& o,
                      const double at[3], std::size_t first, std::size_t last, const Particles& p,
