@@ -28,32 +28,37 @@ PairPhysics resolve_physics(const Case& input) {
     p.dimension = input.info.dimension;
     p.artificial_viscosity = input.sph.artificial_viscosity;
     p.density_diffusion = input.sph.density_diffusion;
-    p.gravity = input.info.gravity;
+    p.gravity = balanced_gravity(input);
     p.fluids = resolve_fluids(input);
     return p;
 }
 
 double kernel_value(const PairPhysics& p, double r) {
-    return p.kernel == Kernel::wendland_c2 ? WendlandC2(p.h, p.dimension).value(r)
-                                           : CubicSpline(p.h, p.dimension).value(r);
+    return with_kernel(p.kernel, p.h, p.dimension,
+                       [&](const auto& kernel) { return kernel.value(r); });
 }
 
 }  // namespace
 
 FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     : physics_(resolve_physics(input)),
+      gravity_(input.info.gravity),
       tag_(physics_.mixed()),
       heated_(std::any_of(physics_.fluids.begin(), physics_.fluids.end(),
                           [](const FluidLaw& f) { return f.us_up.gamma0 != 0; })),
       filled_(physics_.fluids.size(), 0),
       spacing_(input.sph.spacing),
-      mirror_(input.sph.plane),
+      mirror_(input.sph.plane,
+              Periodic(input.sph.periodic, input.sph.domain, 2 * physics_.h)),
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
-      domain_(input.sph.domain) {
+      domain_(input.sph.domain),
+      openings_(input, physics_) {
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
+    const std::size_t first_buffered = particles.size();
+    openings_.fill(mirror_, domain_, particles);
     plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
     index_.resize(particles.size());
     surface_.expect(particles.size());
@@ -66,7 +71,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
         fastest_ = std::max(fastest_,
                             std::hypot(particles.vx[i], particles.vy[i], particles.vz[i]));
         particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);
-        ++filled_[particles.fluid[i]];
+        if (i < first_buffered) ++filled_[particles.fluid[i]];
         if (!particles.viscosity.empty())
             particles.viscosity[i] = static_cast<float>(fluid_of(i).viscosity_at_rest());
         for (int k = 0; k < mirror_.size(); ++k)
@@ -82,6 +87,8 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
 bool FluidSystem::lists_hold(double t) {
     const bool images = surface_.placed();
     if (images && reach_ > along_surface * spacing_) return false;
+    // who passes an opening is noticed at the next rebuild only
+    if (openings_.any() && 2 * reach_ > neighbors_.skin()) return false;
     switch (neighbors_.wear(reach_, plate_reach_)) {
         case Neighborhood::Wear::none: return true;
         case Neighborhood::Wear::out: return false;
@@ -91,7 +98,7 @@ bool FluidSystem::lists_hold(double t) {
 #pragma omp parallel
     {
         pack_fluid();
-        pack_extras(false);
+        pack_extras(false);   // from the records just packed
         if (plate_reach_ > 0) pack_extras(true);
     }
     packed_ = true;
@@ -116,10 +123,12 @@ bool FluidSystem::refresh_neighbors(double t) {
     list_age_ = 0;
     remove_outside();
     plates.move_to(t);
+    wrap_plates();
     neighbors_.rebuild(particles, plates, mirror_);
     if (physics_.mixed()) neighbors_.find_fluids(particles);
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
+    openings_.locate(particles, index_, neighbors_);
     const FixedPoint& fixed = neighbors_.fixed();
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
@@ -139,6 +148,11 @@ void FluidSystem::pack(double t) {
         }
     }
     packed_ = false;   // whatever comes next changes the particles
+    if (openings_.any()) {   // they look at the fluid and its images, then have images themselves
+        openings_.extrapolate(physics_, tag_, neighbors_, particles);
+#pragma omp parallel
+        pack_extras(false);
+    }
     if (neighbors_.plate_targets().empty()) return;   // no plate is near the fluid
     plates.move_to(t);
     extrapolate_to_plates(t);   // sees the fluid and its images
@@ -308,7 +322,7 @@ void FluidSystem::extrapolate_to_plates(double t) {
 void FluidSystem::find_near_planes() {
     near_planes_.clear();
     for (const Extra& e : neighbors_.extras())
-        if (!e.from_plate && std::has_single_bit(e.mask))
+        if (!e.from_plate && std::has_single_bit(e.mask) && std::countr_zero(e.mask) < mirror_.size())
             near_planes_.push_back({e.source, std::countr_zero(e.mask)});
     // the lists wear out before a particle has come nearer by half the skin: its own image would
     rubbing_.clear();
@@ -359,6 +373,18 @@ void FluidSystem::add_wall_friction() {
 }
 
 void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
+    for (const Periodic::Axis& a : periodic().axes())
+        for (const std::int32_t node : quad) {
+            const double at = x[3 * std::size_t(node) + a.axis];
+            const double room = std::min(at - a.low, a.low + a.length - at);
+            if (room >= support()) continue;
+            throw InputError(fmt::format(
+                "sph.periodic: the coupled surface reaches {0} = {1:.6g} m, {2:.4g} m from a face "
+                "of the period; it must stay {3:.4g} m, the support of the kernel, inside, "
+                "because contact does not see across the face: enlarge sph.domain along {0} or "
+                "take \"{0}\" out of sph.periodic.",
+                std::string(1, "xyz"[a.axis]), at, room, support()));
+        }
     if (with_surface_images_) surface_.place(std::move(quad), std::move(x));
 }
 
@@ -398,7 +424,12 @@ void FluidSystem::advance_density(double dt) {
 
 void FluidSystem::constrain_start(double t, double dt, double dt_before) {
     if (start_->active(t))
-        start_->constrain(t, dt, 0.5 * (dt + dt_before), physics_.gravity, particles);
+        start_->constrain(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
+}
+
+void FluidSystem::constrain_ends(double t, double dt, double dt_before) {
+    if (openings_.any())
+        openings_.prescribe(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
 }
 
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
@@ -407,7 +438,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
     const double w = dt_before + dt_before_that > 0 && dt_before > 0
                          ? (dt + dt_before) / (dt_before + dt_before_that) : 0;
-    const Vec3 g = physics_.gravity;
+    const Vec3 g = gravity_;
     const bool heated = heated_;
     // densities compared with that of the first fluid, so that one of them is divided by once
     const double rho0 = physics_.fluids[0].rho0;
@@ -478,15 +509,37 @@ double FluidSystem::largest_sound_speed() const {
     return c0;
 }
 
+/// A plate that moves along a periodic axis comes in again on the other side, dummy by dummy.
+void FluidSystem::wrap_plates() {
+    if (periodic().axes().empty()) return;
+    for (int d = 0; d < plates.size(); ++d) {
+        const double was[3] = {plates.x[d], plates.y[d], plates.z[d]};
+        double at[3] = {was[0], was[1], was[2]};
+        periodic().wrap(at);
+        plates.x0[d] += at[0] - was[0], plates.y0[d] += at[1] - was[1];
+        plates.z0[d] += at[2] - was[2];
+        plates.x[d] = at[0], plates.y[d] = at[1], plates.z[d] = at[2];
+    }
+}
+
 void FluidSystem::remove_outside() {
-    if (!domain_) return;
     Particles& s = particles;
+    openings_.exchange(particles, index_);
+    if (index_.size() > surface_.expected()) surface_.expect(index_.size());
+    if (!domain_ && !openings_.any()) return;
+    if (!periodic().axes().empty())
+        for (std::size_t i = 0; i < s.size(); ++i) {
+            double at[3] = {s.x[i], s.y[i], s.z[i]};
+            periodic().wrap(at);
+            s.x[i] = at[0], s.y[i] = at[1], s.z[i] = at[2];
+        }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < s.size(); ++i) {
         const double at[3] = {s.x[i], s.y[i], s.z[i]};
         bool inside = true;
-        for (int a = 0; a < 3; ++a)
+        for (int a = 0; domain_ && a < 3; ++a)
             inside = inside && at[a] >= domain_->min[a] && at[a] <= domain_->max[a];
+        if (openings_.any() && openings_.gone(i)) continue;   // counted when it went over the plane
         if (!inside) {
             removed_.push_back({s.id[i], s.fluid[i], fluid_of(i).mass / (fluid_of(i).rho0 + s.drho[i]),
                                 {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}});

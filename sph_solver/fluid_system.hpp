@@ -7,6 +7,7 @@
 
 #include "case/case.hpp"
 #include "sph_solver/boundary/mirror_planes.hpp"
+#include "sph_solver/boundary/openings.hpp"
 #include "sph_solver/boundary/plates.hpp"
 #include "sph_solver/boundary/surface_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
@@ -54,6 +55,8 @@ class FluidSystem {
     void advance_density(double dt);
     /// Damps what settles and drives what is held, see Start; without effect once all are let go.
     void constrain_start(double t, double dt, double dt_before);
+    /// Drives what stands in openings; without effect where there are none.
+    void constrain_ends(double t, double dt, double dt_before);
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
@@ -87,12 +90,14 @@ class FluidSystem {
     const Neighborhood& neighbors() const { return neighbors_; }
     const MirrorPlanes& mirror() const { return mirror_; }
     const std::vector<Removed>& removed() const { return removed_; }
+    const Openings& openings() const { return openings_; }
     const SurfaceImages& surface() const { return surface_; }
-    std::int64_t put_back() const { return put_back_; }
+    std::int64_t put_back() const { return put_back_ + openings_.put_back(); }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
     const Start& start() const { return *start_; }
-    Vec3 gravity() const { return physics_.gravity; }
+    Vec3 gravity() const { return gravity_; }     // all of it, see PairPhysics::gravity [m/s2]
+    const Periodic& periodic() const { return mirror_.periodic(); }
 
     Particles particles;
     Plates plates;
@@ -105,9 +110,11 @@ class FluidSystem {
     void find_near_planes();
     void put_back_behind_planes();
     void remove_outside();
+    void wrap_plates();
     double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
+    Vec3 gravity_;                  // [m/s2]
     FluidTag tag_;
     bool heated_;                   // some fluid has Gamma0 != 0
     std::vector<std::int64_t> filled_;
@@ -119,6 +126,7 @@ class FluidSystem {
     bool with_surface_images_;
     std::optional<Box> domain_;
     std::optional<Start> start_;
+    Openings openings_;
     struct NearPlane {
         int particle, plane;
     };

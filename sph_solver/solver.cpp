@@ -142,6 +142,7 @@ int run(const Case& input, const SolverOptions& options) {
             if (order.finished) break;
 
             fluid.constrain_start(t, order.dt, dt);
+            fluid.constrain_ends(t, order.dt, dt);
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);
             density_due = two_pass;
             figures.two_pass_steps += two_pass;

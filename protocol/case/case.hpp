@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "case/expression.hpp"
+
 namespace undertow {
 
 using Vec3 = std::array<double, 3>;
@@ -45,7 +47,7 @@ struct OutputSettings {
 };
 
 // ---------------------------------------------------------------- [sph]
-enum class Kernel { cubic_spline, wendland_c2 };
+enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
 enum class Slip { free_slip, no_slip };
@@ -73,6 +75,9 @@ struct Fill {                            // [[sph.fill]] particles, cell-centere
     std::vector<std::array<double, 2>> profile{};// [m] polygon in x, z that cuts a prism out of the
                                          // box; empty = the whole box
     Vec3 velocity{};                     // [m/s]
+    std::vector<Expression> velocity_field{};   // [m/s] vx, vy, vz of x, y, z, where `velocity` holds
+                                         // formulas; empty = `velocity` everywhere
+    std::optional<Expression> pressure{};// [Pa] of x, y, z at the start; none = hydrostatic
     double ramp = 0;                     // [s] > 0: after start.settle the fill is moved as a block,
                                          // its speed rising smoothly from 0 to `velocity` in this
                                          // time, then let go where box and profile say; it starts
@@ -111,10 +116,40 @@ struct SphGauge {                        // [[sph.gauge]]
     Vec3 direction{1, 0, 0};             // front: which way it runs
 };
 
+struct Inflow {                          // [[sph.inflow]] an opening through which fluid comes
+    std::string name;
+    std::string fluid;
+    Box box;                             // [m] the opening: flat along one axis
+    Vec3 normal{1, 0, 0};                // along that axis, into the fluid
+    std::optional<Expression> velocity{};// [m/s] along the normal, a number or a formula of x, y, z, t
+    std::optional<double> level{};       // [m] z of a free surface: nothing comes above; none = the
+                                         // whole opening
+};
+
+struct Outflow {                         // [[sph.outflow]] an opening through which fluid leaves
+    std::string name;
+    Box box;                             // [m] the opening: flat along one axis
+    Vec3 normal{1, 0, 0};                // along that axis, into the fluid
+    std::optional<double> pressure{};    // [Pa] held in the middle of the opening, or
+    std::optional<double> level{};       // [m] z of p = 0 of the water beyond it; neither = the flow
+                                         // goes on as it comes
+};
+
+/// A region in which motion dies out towards one side, so that neither sound nor surface waves come
+/// back from there.
+struct AbsorbingLayer {                  // [[sph.absorbing]]
+    std::string name;
+    Box box;                             // [m]
+    Vec3 direction{1, 0, 0};             // along an axis, toward the boundary: damping rises that way
+    Vec3 velocity{};                     // [m/s] of the current that remains
+    double strength = 0;                 // waves come back weaker by exp(-strength); 0 = the default
+    double wave_speed = 0;               // [m/s] of the fastest surface wave; 0 = sqrt(g H) of the fills
+};
+
 struct SphSettings {
     bool present = false;                // the case has an [sph] table
     double spacing = 0;                  // [m] dx
-    Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2"
+    Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2", "wendland_c4"
     double smoothing_ratio = 1.2;        // h/dx; support radius 2h
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
@@ -125,11 +160,16 @@ struct SphSettings {
     double max_speed = 0;                // [m/s] largest expected speed, for sound_speed = "auto";
                                          // 0 = estimated from the fills (2 sqrt(g H), |v|)
     std::optional<Box> domain;           // particles that leave are removed, counted and reported
+    std::vector<std::string> periodic;   // of "x", "y", "z": what leaves the domain there comes in on
+                                         // the other side; gravity along it drives the flow
     std::vector<Fluid> fluid;
     std::vector<Fill> fill;
     std::vector<Obstacle> obstacle;
     std::vector<PlaneWall> plane;
     std::vector<PlateWall> plate;
+    std::vector<Inflow> inflow;
+    std::vector<Outflow> outflow;
+    std::vector<AbsorbingLayer> absorbing;
     std::vector<SphGauge> gauge;
 };
 

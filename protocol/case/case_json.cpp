@@ -15,8 +15,16 @@ Json number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+std::vector<std::string> texts(const std::vector<Expression>& formulas) {
+    std::vector<std::string> all;
+    for (const Expression& formula : formulas) all.push_back(formula.text());
+    return all;
+}
+
 const char* name(Kernel v) {
-    return v == Kernel::cubic_spline ? "cubic_spline" : "wendland_c2";
+    return v == Kernel::cubic_spline  ? "cubic_spline"
+           : v == Kernel::wendland_c2 ? "wendland_c2"
+                                      : "wendland_c4";
 }
 const char* name(EquationOfState v) {
     return v == EquationOfState::us_up ? "us_up" : "tait";
@@ -68,6 +76,8 @@ void to_json(Json& j, const Fill& v) {
          {"box", v.box},
          {"profile", v.profile},
          {"velocity", v.velocity},
+         {"velocity_field", texts(v.velocity_field)},
+         {"pressure", v.pressure ? Json(v.pressure->text()) : Json(nullptr)},
          {"ramp", v.ramp},
          {"surface_level", v.surface_level ? Json(*v.surface_level) : Json(nullptr)}};
 }
@@ -88,6 +98,32 @@ void to_json(Json& j, const PlateWall& v) {
          {"start", v.start}, {"stop", number(v.stop)}, {"slip", name(v.slip)}};
 }
 
+void to_json(Json& j, const Inflow& v) {
+    j = {{"name", v.name},
+         {"fluid", v.fluid},
+         {"box", v.box},
+         {"normal", v.normal},
+         {"velocity", v.velocity ? Json(v.velocity->text()) : Json(nullptr)},
+         {"level", v.level ? Json(*v.level) : Json(nullptr)}};
+}
+
+void to_json(Json& j, const Outflow& v) {
+    j = {{"name", v.name},
+         {"box", v.box},
+         {"normal", v.normal},
+         {"pressure", v.pressure ? Json(*v.pressure) : Json(nullptr)},
+         {"level", v.level ? Json(*v.level) : Json(nullptr)}};
+}
+
+void to_json(Json& j, const AbsorbingLayer& v) {
+    j = {{"name", v.name},
+         {"box", v.box},
+         {"direction", v.direction},
+         {"velocity", v.velocity},
+         {"strength", v.strength},
+         {"wave_speed", v.wave_speed}};
+}
+
 void to_json(Json& j, const SphGauge& v) {
     j = {{"name", v.name}, {"kind", name(v.kind)}, {"point", v.point}, {"direction", v.direction}};
 }
@@ -104,11 +140,15 @@ void to_json(Json& j, const SphSettings& v) {
          {"force_cfl", v.force_cfl},
          {"max_speed", v.max_speed},
          {"domain", v.domain ? Json(*v.domain) : Json(nullptr)},
+         {"periodic", v.periodic},
          {"fluid", v.fluid},
          {"fill", v.fill},
          {"obstacle", v.obstacle},
          {"plane", v.plane},
          {"plate", v.plate},
+         {"inflow", v.inflow},
+         {"outflow", v.outflow},
+         {"absorbing", v.absorbing},
          {"gauge", v.gauge}};
 }
 

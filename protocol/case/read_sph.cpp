@@ -81,12 +81,20 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
     reader.box("box", fill.box, axes_of(info));
     require_one_spacing(reader, fill.box, sph.spacing, info);
     reader.polygon("profile", fill.profile);
-    reader.vector("velocity", fill.velocity, "m/s");
+    reader.vector("velocity", fill.velocity, fill.velocity_field, "xyz", "m/s");
     require_in_plane(reader, "velocity", fill.velocity, info);
+    if (info.dimension == 2 && !fill.velocity_field.empty() && fill.velocity_field[1].text() != "0")
+        reader.reject("velocity", "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
+    reader.formula("pressure", fill.pressure, "xyz", "Pa");
     reader.number("ramp", fill.ramp, at_least(0, "s"));
+    if (fill.ramp > 0 && !fill.velocity_field.empty())
+        reader.reject("ramp", "is not allowed beside formulas: a block moves as one, give velocity "
+                              "as three numbers.");
     double level = 0;
     reader.number("surface_level", level, any("m"));
     if (reader.has("surface_level")) fill.surface_level = level;
+    if (fill.pressure && fill.surface_level)
+        reader.reject("surface_level", "is one pressure too many: `pressure` gives it already.");
     if (!sph.domain || !reader.has("box")) return;
     for (const char axis : axes_of(info)) {
         const auto k = static_cast<std::size_t>(axis - 'x');
@@ -167,11 +175,13 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.require("spacing",
                    "the particle spacing in m, typically 1/20 of the smallest thickness");
     reader.require("fluid", "at least one [[sph.fluid]]");
-    reader.require("fill", "at least one [[sph.fill]]");
+    if (!reader.has("inflow")) reader.require("fill", "at least one [[sph.fill]]");
     reader.number("spacing", sph.spacing, positive("m"));
     reader.choice<Kernel>(
         "kernel", sph.kernel,
-        {{"cubic_spline", Kernel::cubic_spline}, {"wendland_c2", Kernel::wendland_c2}});
+        {{"cubic_spline", Kernel::cubic_spline},
+         {"wendland_c2", Kernel::wendland_c2},
+         {"wendland_c4", Kernel::wendland_c4}});
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
@@ -200,6 +210,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.tables("plate", [&](TableReader& entry) {
         read_plate(entry, sph.plate.emplace_back(), sph, info);
     });
+    read_sph_ends(reader, sph, info);
     reader.tables("gauge",
                   [&](TableReader& entry) { read_gauge(entry, sph.gauge.emplace_back()); });
 }

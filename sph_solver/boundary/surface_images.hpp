@@ -37,6 +37,7 @@ class SurfaceImages {
  public:
     /// For particles of identities 0 to n - 1.
     void expect(std::size_t n) { lift_.resize(n); }
+    std::size_t expected() const { return lift_.size(); }
     /// Facets (F, 4), counter-clockwise seen from the fluid, a triangle repeats its third node;
     /// x (N, 3) [m] in the particles' coordinates.
     void place(std::vector<std::int32_t> quad, std::vector<double> x);

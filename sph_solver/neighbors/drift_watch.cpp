@@ -86,14 +86,19 @@ void DriftWatch::link(Cells& cells, const std::int64_t n[3]) {
     cells.fluid.resize(key_.size());
 }
 
+double DriftWatch::width(double support, double skin) {
+    return skin + (1 + slack) * support;
+}
+
 void DriftWatch::start(const std::vector<Packed>& records, int fluid_count, const FixedPoint& fixed,
-                       double support, double range, const std::vector<Border>& borders) {
+                       double support, double skin, const std::vector<Border>& borders,
+                       double range, bool periodic) {
     const int n = static_cast<int>(records.size());
     fluid_count_ = fluid_count;
     fluid_groups_ = (fluid_count + lanes - 1) / lanes;
     const int groups = fluid_groups_ + (n - fluid_count + lanes - 1) / lanes;
-    unit_ = fixed.unit, support_ = support, skin_ = range - support;
-    width_ = range + slack * support;
+    unit_ = fixed.unit, support_ = support, skin_ = skin, periodic_ = periodic;
+    width_ = width(support, skin);
     borders_ = borders;
     start_.resize(n);
     group_.resize(groups);
@@ -236,7 +241,8 @@ bool DriftWatch::worn(const std::vector<Packed>& records) {
     };
     Spread all = nothing(), fluid = nothing();
     for (int c = 0; c < fine_.size(); ++c) widen(all, fine_.all[c]), widen(fluid, fine_.fluid[c]);
-    if (within(width_ - support_, all, fluid)) return false;
+    if (within(width(support_, skin_) - support_, all, fluid)) return false;
+    if (periodic_) return true;
     for (int c = 0; c < coarse_.size(); ++c) {
         Spread a = nothing(), f = nothing();
         for (int k = coarse_.first[c]; k < coarse_.first[c + 1]; ++k) {

@@ -20,15 +20,20 @@ namespace undertow::sph {
 
 class DriftWatch {
  public:
-    /// A plane that gives a record to each particle nearer than R + skin (a mirror's image, for
+    /// A plane that gives a record to each particle nearer than some range (a mirror's image, for
     /// example): no particle without one may come nearer than R.
     struct Border {
         Vec3 point, normal;  // [m], into the fluid
     };
 
-    /// Records as the lists were built from them, the fluid's first. range = R + skin [m].
+    /// B of the fine cells [m]; support R, skin [m].
+    static double width(double support, double skin);
+
+    /// Records as the lists were built from them, the fluid's first. range: of the borders [m].
+    /// periodic: a particle may meet others across a face as soon as it has drifted by B - R.
     void start(const std::vector<Packed>& records, int fluid_count, const FixedPoint& fixed,
-               double support, double range, const std::vector<Border>& borders);
+               double support, double skin, const std::vector<Border>& borders, double range,
+               bool periodic);
 
     /// True if a pair within the support may be missing from the lists. The records are those of
     /// start() at later positions.
@@ -57,6 +62,7 @@ class DriftWatch {
     bool neighbors_apart(const Cells& cells, double limit) const;
 
     int fluid_count_ = 0, fluid_groups_ = 0;
+    bool periodic_ = false;
     double unit_ = 1, support_ = 0, skin_ = 0, width_ = 0;  // [m]
     std::vector<int4> start_;                               // [records]
     std::vector<Spread> group_;                             // eight records each, the fluid's first

@@ -15,7 +15,14 @@ constexpr double cell_width = 1.6, cell_height = 0.8;   // [dx]
 
 }  // namespace
 
-void Neighborhood::lay_out_grid(const Particles& particles, bool with_plates) {
+/// Across a periodic face a particle must have its image before anything there may need it: it is the
+/// pair's relative drift that the watch bounds, by B - R for those that stand B apart.
+double Neighborhood::image_range(const Periodic& periodic) const {
+    return periodic.axes().empty() ? support_ + skin_ : DriftWatch::width(support_, skin_);
+}
+
+void Neighborhood::lay_out_grid(const Particles& particles, const Periodic& periodic,
+                                bool with_plates) {
     const int n = static_cast<int>(particles.size());
     double x0 = 1e300, y0 = 1e300, z0 = 1e300, x1 = -1e300, y1 = -1e300, z1 = -1e300;
 #pragma omp parallel for reduction(min : x0, y0, z0) reduction(max : x1, y1, z1)
@@ -37,6 +44,11 @@ void Neighborhood::lay_out_grid(const Particles& particles, bool with_plates) {
     } while (grid_.cells() > 16 * std::int64_t(n) + (1 << 16));
     const double extent = std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]});
     fixed_.unit = extent / (1u << 30);
+    // a whole number of units to the period: an image is then moved by it exactly
+    if (!periodic.axes().empty()) {
+        const double period = periodic.axes()[0].length;
+        fixed_.unit = period / std::max(1.0, std::floor(period / fixed_.unit));
+    }
     fixed_.inverse = 1 / fixed_.unit;
     fixed_.x0 = 0.5 * (lo[0] + hi[0]), fixed_.y0 = 0.5 * (lo[1] + hi[1]);
     fixed_.z0 = 0.5 * (lo[2] + hi[2]);
@@ -85,7 +97,7 @@ void Neighborhood::sort(Particles& particles) {
 
 void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
                                const MirrorPlanes& mirror) {
-    const double range = support_ + skin_;
+    const double range = image_range(mirror.periodic());
     unsorted_extras_.clear();
     const auto add_images = [&](int source, double x, double y, double z, bool from_plate) {
         masks_.clear();
@@ -136,7 +148,7 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
 
 void Neighborhood::rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror) {
     fluid_count_ = static_cast<int>(particles.size());
-    lay_out_grid(particles, plates.size() > 0);
+    lay_out_grid(particles, mirror.periodic(), plates.size() > 0);
     sort(particles);
     find_extras(particles, plates, mirror);
     const double range = support_ + skin_;
@@ -146,7 +158,8 @@ void Neighborhood::rebuild(Particles& particles, const Plates& plates, const Mir
     std::vector<DriftWatch::Border> borders;
     for (int k = 0; k < mirror.size(); ++k)
         borders.push_back({mirror.plane(k).point, mirror.plane(k).normal});
-    watch_.start(records_, fluid_count_, fixed_, support_, range, borders);
+    watch_.start(records_, fluid_count_, fixed_, support_, skin_, borders,
+                 image_range(mirror.periodic()), !mirror.periodic().axes().empty());
 
     // The plates' dummies are targets as well: records of their own, sources only fluid and its images
     // (images of dummies are skipped in the sum).

@@ -1,6 +1,6 @@
 // What the fluids press on the mirror planes, from the same pair terms as the sums.
 
-#include <algorithm>
+#include <vector>
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/physics/pair_clusters.hpp"
@@ -10,16 +10,16 @@ namespace undertow::sph {
 namespace {
 
 /// The sums over the images of each kind that a cluster meets; a thread's own, reused.
-struct ByMask {
-    std::vector<PairSums<float8>> sum;  // [2^planes]
-    std::vector<PlaneMask> met;
+struct OfMask {
+    PlaneMask mask;
+    PairSums<float8> sum;
 };
 
 /// Calls f(mask, ax, ay, az) with the accelerations that the eight get from all images of one mask.
 template <class KernelLaw, Content content, class OfOwn, class F>
 void for_each_mask(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                   ByMask& by, F&& f) {
+                   PlaneMask planes, std::vector<OfMask>& met, F&& f) {
     constexpr bool variable = content == Content::viscoplastic;
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
@@ -27,46 +27,43 @@ void for_each_mask(const PairConstants<float>& c, const Factors<float, OfOwn>& k
     const int n = neighbors.fluid_count();
     for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) {
         const PlaneMask mask = neighbors.extras()[*at - n].mask;
-        if (mask == 0) continue;
+        if ((mask & planes) == 0) continue;  // a dummy, or an image by translation only
         const Packed& j = records[*at];
-        if (std::find(by.met.begin(), by.met.end(), mask) == by.met.end()) {
-            by.met.push_back(mask);
-            by.sum[mask] = {};
-        }
+        std::size_t m = 0;
+        while (m < met.size() && met[m].mask != mask) ++m;
+        if (m == met.size()) met.push_back({mask, {}});
         add_pair<KernelLaw, Terms::force, content>(
-            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, by.sum[mask],
+            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
             with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f);
     }
-    std::sort(by.met.begin(), by.met.end());  // in an order that does not depend on the lists'
-    for (const PlaneMask mask : by.met) {
+    for (const OfMask& of : met) {
         const float8 per_rho = i.volume * k.per_mass;
         float8 ax, ay, az;
-        acceleration(k, per_rho, by.sum[mask], ax, ay, az);
-        f(mask, ax, ay, az);
+        acceleration(k, per_rho, of.sum, ax, ay, az);
+        f(of.mask, ax, ay, az);
     }
-    by.met.clear();
+    met.clear();
 }
 
 template <class KernelLaw>
-std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborhood& neighbors,
-                                    const MirrorPlanes& mirror) {
+std::vector<double> force_on_planes(const KernelLaw& kernel, const PairPhysics& physics,
+                                    const Neighborhood& neighbors, const MirrorPlanes& mirror) {
     const double unit = neighbors.fixed().unit;
     const FluidLaw& first_fluid = physics.fluids[0];
     const auto c = pair_constants<float>(physics, first_fluid, unit);
-    const KernelLaw kernel(physics.h, physics.dimension);
     const auto k = factors<float>(physics, first_fluid, kernel.scale(), unit);
     const Mixture<float> mixture(physics, kernel.scale(), unit);
     const bool mixed = physics.mixed(), variable = physics.viscoplastic();
     const Packed* records = neighbors.records().data();
     const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
     const std::size_t planes = mirror.size(), fluids = physics.fluids.size();
+    const PlaneMask any_plane = (PlaneMask(1) << planes) - 1;
     // per cluster first, then summed in order: the same bits for any number of threads
     std::vector<double> part(clusters * planes * fluids, 0.0);
 
 #pragma omp parallel
     {
-        ByMask by;
-        by.sum.resize(std::size_t(1) << planes);
+        std::vector<OfMask> met;
 #pragma omp for schedule(dynamic, 32)
         for (int cluster = 0; cluster < clusters; ++cluster) {
             const int first = cluster * lanes, members = std::min(lanes, n - first);
@@ -89,18 +86,19 @@ std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborho
             };
             if (!mixed) {
                 for_each_mask<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
-                                                             by, add);
+                                                             any_plane, met, add);
                 continue;
             }
             MixedLanes m;
             look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
                     i.own, m);
             if (variable)
-                for_each_mask<KernelLaw, Content::viscoplastic>(
-                    mixture.constants, m.factors, i, m.with, neighbors, cluster, by, add);
+                for_each_mask<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                                                                m.with, neighbors, cluster,
+                                                                any_plane, met, add);
             else
                 for_each_mask<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
-                                                           neighbors, cluster, by, add);
+                                                           neighbors, cluster, any_plane, met, add);
         }
     }
     std::vector<double> force(planes * fluids, 0.0);
@@ -114,9 +112,9 @@ std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborho
 
 std::vector<double> plane_forces(const PairPhysics& physics, const Neighborhood& neighbors,
                                  const MirrorPlanes& mirror) {
-    if (physics.kernel == Kernel::wendland_c2)
-        return force_on_planes<WendlandC2>(physics, neighbors, mirror);
-    return force_on_planes<CubicSpline>(physics, neighbors, mirror);
+    return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        return force_on_planes(kernel, physics, neighbors, mirror);
+    });
 }
 
 }  // namespace undertow::sph
