@@ -162,3 +162,29 @@ TEST_CASE("a stream keeps its lists however far it goes") {
     }
     CHECK(distance > 10 * 0.2 * 0.01);   // ten skins
 }
+
+TEST_CASE("lists hold across periodic faces too") {
+    Case input = scenes::water_box(0.01, {0.15, 0.12, 0.12});
+    input.info.gravity = {0, 0, 0};
+    input.sph.max_speed = 3;
+    input.sph.artificial_viscosity = 0;
+    input.sph.domain = Box{{0, 0, -1}, {0.15, 0.12, 1}};
+    input.sph.periodic = {"x", "y"};
+    input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1})};
+    FluidSystem fluid(input, 0.2);
+    scenes::disturb(fluid, 0.2, 0.1, 1e4);
+    for (std::size_t i = 0; i < fluid.particles.size(); ++i)
+        fluid.particles.vx[i] += 1 + 10 * fluid.particles.z[i], fluid.particles.vy[i] -= 1;
+    double t = 0;
+    int rebuilds = 0, steps = 0;
+    for (; t < 0.05; t += 5e-4, ++steps) {
+        rebuilds += fluid.refresh_neighbors(t);
+        fluid.pack(t);
+        fluid.sum_over_neighbors(Terms::both);
+        INFO("t = " << t);
+        REQUIRE(error_of_worn_lists(fluid, input, t) < 3e-6);
+        fluid.kick_and_drift(5e-4, 0, 0, false);
+    }
+    CHECK(rebuilds > 3);
+    CHECK(rebuilds < steps / 2);
+}
