@@ -172,7 +172,7 @@ TEST_CASE("lists hold across periodic faces too") {
     input.sph.periodic = {"x", "y"};
     input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1})};
     FluidSystem fluid(input, 0.2);
-    scenes::disturb(fluid, 0.2, 0.1, 1e4);
+    scenes::disturb(fluid, 0.2, 0.1, 100);
     for (std::size_t i = 0; i < fluid.particles.size(); ++i)
         fluid.particles.vx[i] += 1 + 10 * fluid.particles.z[i], fluid.particles.vy[i] -= 1;
     double t = 0;
