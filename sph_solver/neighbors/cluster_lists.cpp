@@ -15,6 +15,8 @@ struct Cluster {
     int8 x, y, z;                      // lanes; a cluster that is not full repeats its last member
     std::int32_t fixed_lo[3], fixed_hi[3];   // bounds
     double lo[3], hi[3];               // [m] the same
+    float8 reach;                      // h + skin of each member [unit], where sizes differ
+    float most_reach;                  // [unit]
 };
 
 Cluster load(const std::vector<Packed>& records, const FixedPoint& fixed, int first, int last) {
@@ -62,10 +64,15 @@ float8 outside(int8 x, std::int32_t lo, std::int32_t hi) {
     return positive_part(to_real(d));
 }
 
+float8 squared(float8 a) { return a * a; }
+
 /// Appends the records of [j0, j1) that are near the cluster: first whole eights against its box, then
-/// those near the box against its members.
+/// those near the box against its members. sized: a record is near a member i within reach_j + own.reach
+/// of i, else within `range`.
+template <bool sized>
 int append_near(const Cluster& own, const std::int32_t* x, const std::int32_t* y,
-                const std::int32_t* z, int j0, int j1, float range2, int* out) {
+                const std::int32_t* z, const float* reach, int j0, int j1, float range, int* out) {
+    const float range2 = range * range;
     int found = 0;
     for (int j = j0; j < j1; j += lanes) {
         int8 jx, jy, jz;
@@ -75,14 +82,25 @@ int append_near(const Cluster& own, const std::int32_t* x, const std::int32_t* y
         const float8 bx = outside(jx, own.fixed_lo[0], own.fixed_hi[0]),
                      by = outside(jy, own.fixed_lo[1], own.fixed_hi[1]),
                      bz = outside(jz, own.fixed_lo[2], own.fixed_hi[2]);
-        unsigned near_box = lanes_below(bx * bx + by * by + bz * bz, range2);
+        unsigned near_box;
+        if constexpr (sized) {
+            float8 reach_j;
+            __builtin_memcpy(&reach_j, reach + j, sizeof reach_j);
+            near_box = lanes_below(bx * bx + by * by + bz * bz - squared(reach_j + own.most_reach), 0);
+        } else {
+            near_box = lanes_below(bx * bx + by * by + bz * bz, range2);
+        }
         if (j + lanes > j1) near_box &= (1u << (j1 - j)) - 1;
         for (; near_box; near_box &= near_box - 1) {
             const int k = j + std::countr_zero(near_box);
             const float8 dx = to_real(own.x - x[k]), dy = to_real(own.y - y[k]),
                          dz = to_real(own.z - z[k]);
             out[found] = k;
-            found += lanes_below(dx * dx + dy * dy + dz * dz, range2) != 0;
+            const float8 r2 = dx * dx + dy * dy + dz * dz;
+            if constexpr (sized)
+                found += lanes_below(r2 - squared(own.reach + reach[k]), 0) != 0;
+            else
+                found += lanes_below(r2, range2) != 0;
         }
     }
     return found;
@@ -92,7 +110,8 @@ int append_near(const Cluster& own, const std::int32_t* x, const std::int32_t* y
 
 void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
                          const std::vector<Packed>& records, int first, int n,
-                         const std::vector<SourceCells>& sources, double range) {
+                         const std::vector<SourceCells>& sources, double range,
+                         const std::vector<float>* smoothing, double skin) {
     const int clusters = (n + lanes - 1) / lanes, all = static_cast<int>(records.size());
     begin_.resize(clusters);
     count_.resize(clusters);
@@ -101,12 +120,18 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
     constexpr int block = 64;   // clusters per buffer: small enough to share out evenly
     const int blocks = (clusters + block - 1) / block;
     if (static_cast<int>(buffer_.size()) < blocks) buffer_.resize(blocks);
-    const float range2 = static_cast<float>(range / fixed.unit * (range / fixed.unit));
+    const auto in_units = [&](double length) { return static_cast<float>(length / fixed.unit); };
+    const bool sized = smoothing && !smoothing->empty();
+    if (sized) reach_.resize(all + lanes);
+    const double most_smoothing = 0.5 * (range - skin);
 
 #pragma omp parallel
     {
 #pragma omp for schedule(static)
-        for (int j = 0; j < all; ++j) x_[j] = records[j].x, y_[j] = records[j].y, z_[j] = records[j].z;
+        for (int j = 0; j < all; ++j) {
+            x_[j] = records[j].x, y_[j] = records[j].y, z_[j] = records[j].z;
+            if (sized) reach_[j] = in_units((*smoothing)[j]);
+        }
 
 #pragma omp for schedule(dynamic, 1)
         for (int b = 0; b < blocks; ++b) {
@@ -115,17 +140,27 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
             const int c0 = b * block, c1 = std::min(clusters, c0 + block);
             for (int c = c0; c < c1; ++c) {
                 const std::size_t begin = length;
-                const Cluster own = load(records, fixed, first + c * lanes, first + n);
-                const int ix0 = grid.column_x(own.lo[0] - range),
-                          ix1 = grid.column_x(own.hi[0] + range),
-                          iy0 = grid.column_y(own.lo[1] - range),
-                          iy1 = grid.column_y(own.hi[1] + range);
+                Cluster own = load(records, fixed, first + c * lanes, first + n);
+                double range_c = range;
+                if (sized) {
+                    own.most_reach = 0;
+                    for (int k = 0; k < lanes; ++k) {
+                        const int i = std::min(first + c * lanes + k, first + n - 1);
+                        own.reach[k] = in_units((*smoothing)[i] + skin);
+                        own.most_reach = std::max(own.most_reach, own.reach[k]);
+                    }
+                    range_c = most_smoothing + own.most_reach * fixed.unit;
+                }
+                const int ix0 = grid.column_x(own.lo[0] - range_c),
+                          ix1 = grid.column_x(own.hi[0] + range_c),
+                          iy0 = grid.column_y(own.lo[1] - range_c),
+                          iy1 = grid.column_y(own.hi[1] + range_c);
                 for (const SourceCells& source : sources) {
                     for (int iy = iy0; iy <= iy1; ++iy) {
                         const double dy = grid.gap_y(iy, own.lo[1], own.hi[1]);
                         for (int ix = ix0; ix <= ix1; ++ix) {
                             const double dx = grid.gap_x(ix, own.lo[0], own.hi[0]);
-                            const double up2 = range * range - dx * dx - dy * dy;
+                            const double up2 = range_c * range_c - dx * dx - dy * dy;
                             if (up2 < 0) continue;   // the column passes by
                             const double up = std::sqrt(up2);
                             std::int64_t cell0, cell1;
@@ -135,8 +170,9 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
                             const int j1 = source.base + (*source.start)[cell1 + 1];
                             if (list.size() < length + (j1 - j0) + 1)
                                 list.resize(2 * list.size() + (j1 - j0) + 1024);
-                            length += append_near(own, x_.data(), y_.data(), z_.data(), j0, j1,
-                                                  range2, list.data() + length);
+                            const auto append = sized ? append_near<true> : append_near<false>;
+                            length += append(own, x_.data(), y_.data(), z_.data(), reach_.data(),
+                                             j0, j1, in_units(range), list.data() + length);
                         }
                     }
                     if (&source == &sources.front())

@@ -19,9 +19,12 @@ struct SourceCells {
 
 class ClusterLists {
  public:
-    /// Targets are records [first, first + n), eight a cluster. range [m].
+    /// Targets are records [first, first + n), eight a cluster. range: 2h + skin [m]; where smoothing
+    /// lengths differ, of the largest: then `smoothing` has h of each record [m], and a pair is listed
+    /// within h_i + h_j + skin.
     void build(const ColumnGrid& grid, const FixedPoint& fixed, const std::vector<Packed>& records,
-               int first, int n, const std::vector<SourceCells>& sources, double range);
+               int first, int n, const std::vector<SourceCells>& sources, double range,
+               const std::vector<float>* smoothing = nullptr, double skin = 0);
 
     int clusters() const { return static_cast<int>(begin_.size()); }
     const int* begin(int c) const { return begin_[c]; }
@@ -34,6 +37,7 @@ class ClusterLists {
     std::vector<const int*> begin_;
     std::vector<int> count_, of_first_kind_;
     std::vector<std::vector<int>> buffer_;   // one per block of clusters; keeps its capacity
+    std::vector<float> reach_;               // of all records, where sizes differ [unit]
     std::vector<std::int32_t> x_, y_, z_;    // of all records, to look at sixteen at once
 };
 
