@@ -53,7 +53,8 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain),
-      openings_(input, physics_) {
+      openings_(input, physics_),
+      absorbing_(input, physics_) {
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
@@ -129,6 +130,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
     openings_.locate(particles, index_, neighbors_);
+    absorbing_.locate(particles);
     const FixedPoint& fixed = neighbors_.fixed();
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
@@ -428,8 +430,9 @@ void FluidSystem::constrain_start(double t, double dt, double dt_before) {
 }
 
 void FluidSystem::constrain_ends(double t, double dt, double dt_before) {
-    if (openings_.any())
-        openings_.prescribe(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
+    const double kick = 0.5 * (dt + dt_before);
+    if (absorbing_.any()) absorbing_.damp(dt, kick, gravity_, particles);
+    if (openings_.any()) openings_.prescribe(t, dt, kick, gravity_, particles);
 }
 
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
@@ -503,6 +506,24 @@ double FluidSystem::viscous_limit() const {
     return nu;
 }
 
+int FluidSystem::limiting_particle(const std::string& limiter) const {
+    const Particles& s = particles;
+    int worst = -1;
+    double most = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+        double value = 0;
+        if (limiter == "sound")
+            value = std::hypot(s.vx[i], s.vy[i], s.vz[i]);
+        else if (limiter == "force")
+            value = std::hypot(s.ax[i] + s.fx[i] + gravity_[0], s.ay[i] + s.fy[i] + gravity_[1],
+                               s.az[i] + s.fz[i] + gravity_[2]);
+        else if (!s.viscosity.empty())
+            value = s.viscosity[i] / fluid_of(i).rho0;
+        if (value > most) most = value, worst = static_cast<int>(i);
+    }
+    return worst;
+}
+
 double FluidSystem::largest_sound_speed() const {
     double c0 = 0;
     for (const FluidLaw& f : physics_.fluids) c0 = std::max(c0, f.c0);
@@ -536,13 +557,23 @@ void FluidSystem::remove_outside() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < s.size(); ++i) {
         const double at[3] = {s.x[i], s.y[i], s.z[i]};
-        bool inside = true;
-        for (int a = 0; domain_ && a < 3; ++a)
-            inside = inside && at[a] >= domain_->min[a] && at[a] <= domain_->max[a];
+        int face = -1;
+        for (int a = 0; domain_ && a < 3; ++a) {
+            if (!(at[a] >= domain_->min[a])) face = 2 * a;
+            if (!(at[a] <= domain_->max[a])) face = 2 * a + 1;
+        }
         if (openings_.any() && openings_.gone(i)) continue;   // counted when it went over the plane
-        if (!inside) {
+        if (face >= 0 && openings_.any() && openings_.holds(i)) {
+            index_[s.id[i]] = -1;   // of a buffer: counted when it went over the plane
+            continue;
+        }
+        if (face >= 0) {
+            Departed& departed = departed_[face][s.fluid[i]];
+            ++departed.particles;
+            departed.momentum[0] += s.vx[i], departed.momentum[1] += s.vy[i];
+            departed.momentum[2] += s.vz[i];
             removed_.push_back({s.id[i], s.fluid[i], fluid_of(i).mass / (fluid_of(i).rho0 + s.drho[i]),
-                                {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}});
+                                {s.x[i], s.y[i], s.z[i]}, {s.vx[i], s.vy[i], s.vz[i]}, face});
             index_[s.id[i]] = -1;
             continue;
         }

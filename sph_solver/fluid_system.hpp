@@ -3,9 +3,11 @@
 // loop in solver.cpp names. No wire, no files.
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/boundary/absorbing_layers.hpp"
 #include "sph_solver/boundary/mirror_planes.hpp"
 #include "sph_solver/boundary/openings.hpp"
 #include "sph_solver/boundary/plates.hpp"
@@ -32,6 +34,13 @@ struct Removed {
     int fluid;
     double volume;                 // m/rho, true volume also in 2D [m3]
     Vec3 x, v;                     // [m], [m/s]
+    int face;                      // of sph.domain it left through: 2 axis, + 1 for the upper one
+};
+
+/// Sums of what left through one face of sph.domain, of one fluid.
+struct Departed {
+    std::int64_t particles = 0;
+    double momentum[3] = {0, 0, 0};   // sum of v [m/s]; times the particle's mass it is momentum
 };
 
 class FluidSystem {
@@ -55,7 +64,8 @@ class FluidSystem {
     void advance_density(double dt);
     /// Damps what settles and drives what is held, see Start; without effect once all are let go.
     void constrain_start(double t, double dt, double dt_before);
-    /// Drives what stands in openings; without effect where there are none.
+    /// Damps what is in absorbing layers and drives what stands in openings; without effect where
+    /// there are none.
     void constrain_ends(double t, double dt, double dt_before);
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
@@ -90,6 +100,10 @@ class FluidSystem {
     const Neighborhood& neighbors() const { return neighbors_; }
     const MirrorPlanes& mirror() const { return mirror_; }
     const std::vector<Removed>& removed() const { return removed_; }
+    const Departed& departed(int face, int fluid) const { return departed_[face][fluid]; }
+    /// The particle that asks for the step that stable_step named, a sorted index; -1: none is faster,
+    /// more accelerated or more viscous than others.
+    int limiting_particle(const std::string& limiter) const;
     const Openings& openings() const { return openings_; }
     const SurfaceImages& surface() const { return surface_; }
     std::int64_t put_back() const { return put_back_ + openings_.put_back(); }
@@ -127,6 +141,7 @@ class FluidSystem {
     std::optional<Box> domain_;
     std::optional<Start> start_;
     Openings openings_;
+    AbsorbingLayers absorbing_;
     struct NearPlane {
         int particle, plane;
     };
@@ -140,6 +155,7 @@ class FluidSystem {
     double travelled_ = 0;          // [m]
     double fastest_ = 0;            // of the last step [m/s]
     std::vector<Removed> removed_;
+    Departed departed_[6][FluidTag::most];
     std::int64_t put_back_ = 0, rebuilds_ = 0;
 };
 

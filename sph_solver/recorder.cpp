@@ -71,13 +71,7 @@ void Recorder::observe(double t, const FluidSystem& fluid) {
     }
     if (force_file_) write_wall_forces(t, fluid);
     write_energies(t, fluid);
-    for (; reported_removed_ < fluid.removed().size(); ++reported_removed_) {
-        const Removed& r = fluid.removed()[reported_removed_];
-        log_info(fmt::format(
-            "t = {:.6g} s: particle {} left sph.domain at ({:.4g}, {:.4g}, {:.4g}) m with "
-            "({:.3g}, {:.3g}, {:.3g}) m/s and was removed",
-            t, r.id, r.x[0], r.x[1], r.x[2], r.v[0], r.v[1], r.v[2]));
-    }
+    losses_.report(t, fluid);
 }
 
 void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
@@ -164,44 +158,13 @@ void Recorder::write_fields(double t, const FluidSystem& fluid) {
         fields.push_back({"shear_rate", "1/s", 1, shear_rate});
     }
     fields_.append(t, x, p.id, fields);
+    last_fields_ = t;
 }
 
 void Recorder::flush() {
     if (gauge_file_) gauge_file_->flush();
     if (force_file_) force_file_->flush();
     energy_file_.flush();
-}
-
-/// What there was at the start must be there at the end or have been removed, fluid by fluid.
-void Recorder::add_budget(const FluidSystem& fluid, Summary& s) const {
-    const std::size_t fluids = names_.size();
-    std::vector<std::int64_t> end(fluids, 0), removed(fluids, 0);
-    std::vector<double> removed_volume(fluids, 0);
-    for (const std::uint8_t k : fluid.particles.fluid) ++end[k];
-    for (const Removed& r : fluid.removed()) ++removed[r.fluid], removed_volume[r.fluid] += r.volume;
-    std::int64_t open = 0;
-    double mass_start = 0, mass_end = 0, mass_removed = 0;
-    for (std::size_t k = 0; k < fluids; ++k) {
-        const FluidLaw& law = fluid.fluid(static_cast<int>(k));
-        const std::string key = "sph.fluid." + names_[k] + ".";
-        s.set(key + "particles_start", fluid.filled()[k]);
-        s.set(key + "particles_end", end[k]);
-        s.set(key + "removed", removed[k]);
-        s.set(key + "removed_volume_m3", removed_volume[k]);
-        s.set(key + "particle_mass_kg", law.mass);
-        s.set(key + "mass_start_kg", law.mass * double(fluid.filled()[k]));
-        s.set(key + "sound_speed", law.c0);
-        if (law.viscoplastic()) s.set(key + "max_viscosity", law.rheology.max_viscosity);
-        open += std::abs(fluid.filled()[k] - end[k] - removed[k]);
-        mass_start += law.mass * double(fluid.filled()[k]);
-        mass_end += law.mass * double(end[k]);
-        mass_removed += law.mass * double(removed[k]);
-    }
-    s.set("sph.budget.mass_start_kg", mass_start);
-    s.set("sph.budget.mass_end_kg", mass_end);
-    s.set("sph.budget.mass_removed_kg", mass_removed);
-    s.set("sph.budget.unaccounted_particles", open);
-    s.set("sph.budget.closed", open == 0);
 }
 
 void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int threads,
@@ -227,8 +190,8 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.sound_speed", c0);
     s.set("sph.max_speed", f.max_speed);
     s.set("sph.max_mach", f.max_speed / c0);
-    s.set("sph.max_density_deviation", f.max_compression);
-    add_budget(fluid, s);
+    add_density_advice(f.max_compression, c0, s);
+    add_budget(names_, fluid, s);
     s.set("sph.wall_split_s.neighbors", f.neighbors);
     s.set("sph.wall_split_s.pack", f.pack);
     s.set("sph.wall_split_s.sums", f.sums);

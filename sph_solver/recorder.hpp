@@ -10,6 +10,7 @@
 #include "results/history.hpp"
 #include "results/summary.hpp"
 #include "sph_solver/fluid_system.hpp"
+#include "sph_solver/losses.hpp"
 
 namespace undertow::sph {
 
@@ -36,9 +37,9 @@ class Recorder {
     void flush();
     /// Magnitude of the latest force on the walls [N]; < 0 before the first.
     double wall_force() const { return wall_force_; }
+    double last_fields() const { return last_fields_; }   // time of those written last [s]; < 0: none
 
  private:
-    void add_budget(const FluidSystem& fluid, Summary& summary) const;
     void write_energies(double t, const FluidSystem& fluid);
     void write_wall_forces(double t, const FluidSystem& fluid);
 
@@ -54,7 +55,8 @@ class Recorder {
     double last_force_t_ = -1;         // [s]
     std::vector<double> last_force_;   // [N] per plane and fluid
     double wall_force_ = -1;
-    std::size_t reported_removed_ = 0;
+    double last_fields_ = -1;          // [s]
+    LossReport losses_;
 };
 
 }  // namespace undertow::sph

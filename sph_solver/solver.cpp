@@ -54,6 +54,32 @@ void check(const Health& health, double t, const FluidSystem& fluid) {
         fixed.z0 + before.z * fixed.unit, t));
 }
 
+/// Alone nobody else looks at the offer; coupled, the coupler does.
+void check_floor(const StableStep& stable, double t, double min_step, const FluidSystem& fluid,
+                 double c0, double last_fields) {
+    if (stable.dt >= min_step) return;
+    const std::string limiter = stable.limiter;
+    std::string who = "the viscosity of a fluid";
+    if (const int i = fluid.limiting_particle(limiter); i >= 0) {
+        const Particles& p = fluid.particles;
+        who = fmt::format("particle {} of {} at ({:.5g}, {:.5g}, {:.5g}) m with a speed of {:.4g} m/s",
+                          p.id[i], p.size(), p.x[i], p.y[i], p.z[i],
+                          std::hypot(p.vx[i], p.vy[i], p.vz[i]));
+    }
+    throw PhysicsError(fmt::format(
+        "At t = {:.6g} s the stable step fell to {:.4g} s, below time.min_step = {:.4g} s; it is "
+        "limited by {} ({}), c0 = {:.4g} m/s. {} {}",
+        t, stable.dt, min_step, limiter, who, c0,
+        last_fields < 0 ? std::string("No fields were written before.")
+                        : fmt::format("The last good fields are those of t = {:.6g} s: look at that "
+                                      "place there.",
+                                      last_fields),
+        limiter == "viscosity" ? "A lower max_viscosity of that fluid, or a coarser sph.spacing, "
+                                 "allows a longer step."
+                               : "If the state is sound there, lower time.min_step; if it is not, "
+                                 "try a smaller sph.cfl or a finer sph.spacing."));
+}
+
 }  // namespace
 
 int run(const Case& input, const SolverOptions& options) {
@@ -111,6 +137,8 @@ int run(const Case& input, const SolverOptions& options) {
                 stable_step({fluid.physics().h, c0, health.max_speed, health.max_acceleration,
                              health.max_kinematic_viscosity},
                             cfl, input.sph.force_cfl);
+            if (alone)
+                check_floor(stable, t, input.time.min_step, fluid, c0, recorder.last_fields());
             link->offer({n, t, stable.dt, std::string("sph: ") + stable.limiter, figures.particle_steps},
                         fluid);
             watch.lap(figures.contact_wait);

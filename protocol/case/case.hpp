@@ -142,7 +142,8 @@ struct AbsorbingLayer {                  // [[sph.absorbing]]
     Box box;                             // [m]
     Vec3 direction{1, 0, 0};             // along an axis, toward the boundary: damping rises that way
     Vec3 velocity{};                     // [m/s] of the current that remains
-    double strength = 0;                 // waves come back weaker by exp(-strength); 0 = the default
+    double strength = 0;                 // A: surface waves come back weaker by exp(-A), or by what
+                                         // too steep a ramp sends back; 0 = 3, the best for both
     double wave_speed = 0;               // [m/s] of the fastest surface wave; 0 = sqrt(g H) of the fills
 };
 

@@ -88,7 +88,8 @@ void read_absorbing(TableReader& reader, AbsorbingLayer& layer, const CaseInfo& 
     read_along_axis(reader, "direction", layer.direction, info);
     reader.vector("velocity", layer.velocity, "m/s");
     if (info.dimension == 2 && layer.velocity[1] != 0)
-        reader.reject("velocity", "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
+        reader.reject("velocity",
+                      "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
     reader.number("strength", layer.strength, closed(0, 50));
     reader.number("wave_speed", layer.wave_speed, at_least(0, "m/s"));
 }
@@ -98,7 +99,8 @@ void require_not_periodic(const TableReader& reader, const std::string& key, con
                           const SphSettings& sph) {
     for (const std::string& name : sph.periodic)
         if (direction[name[0] - 'x'] != 0)
-            reader.reject(key, "lies along " + name + ", which sph.periodic repeats without an end.");
+            reader.reject(key,
+                          "lies along " + name + ", which sph.periodic repeats without an end.");
 }
 
 }  // namespace

@@ -94,10 +94,11 @@ void Openings::fill(const MirrorPlanes& mirror, const std::optional<Box>& domain
                     o.inflow ? "inflow" : "outflow", o.name, mirror.plane(w).name));
         for (int a = 0; domain && a < 3; ++a)
             if (!(flat_ && a == 1) && (x[a] < domain->min[a] || x[a] > domain->max[a]))
-                throw InputError(fmt::format(
-                    "sph.{} \"{}\": outside of the opening stand {:.4g} m of fluid, which reach out "
-                    "of sph.domain in {}: enlarge sph.domain.",
-                    o.inflow ? "inflow" : "outflow", o.name, depth_, "xyz"[a]));
+                throw InputError(
+                    fmt::format("sph.{} \"{}\": outside of the opening stand {:.4g} m of fluid, "
+                                "which reach out "
+                                "of sph.domain in {}: enlarge sph.domain.",
+                                o.inflow ? "inflow" : "outflow", o.name, depth_, "xyz"[a]));
         const std::size_t i = p.size();
         p.resize(i + 1);
         p.x[i] = x[0], p.y[i] = x[1], p.z[i] = x[2];
@@ -106,7 +107,8 @@ void Openings::fill(const MirrorPlanes& mirror, const std::optional<Box>& domain
         p.fluid[i] = static_cast<std::uint8_t>(fluid);
         p.id[i] = static_cast<std::int64_t>(i);
         const double outward = -o.sign * v[o.axis];
-        members_.push_back({p.id[i], k, static_cast<int>(i), outward, 0, 0, outward, {v[0], v[1], v[2]}});
+        members_.push_back(
+            {p.id[i], k, static_cast<int>(i), outward, 0, 0, outward, {v[0], v[1], v[2]}});
         role_.resize(p.size());
         role_[i] = static_cast<std::uint8_t>(k + 1);
     };
@@ -172,7 +174,7 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
     for (std::size_t m = 0; m < members_.size(); ++m) {
         Member member = members_[m];
         const int i = index[member.id];
-        if (i < 0) continue;   // left the domain
+        if (i < 0) continue;  // left the domain
         Opening& o = openings_[member.opening];
         const double s = depth(o, p, i);
         if (s > depth_ && !o.inflow) {
@@ -180,7 +182,7 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
             index[member.id] = -1;
             continue;
         }
-        if (s < 0) {   // in: fluid from now on, and a copy takes its part
+        if (s < 0) {  // in: fluid from now on, and a copy takes its part
             role_[i] = 0;
             count(o, p, i, +1);
             copies_.push_back({i, o.axis, -o.sign * depth_, kept});
@@ -195,7 +197,7 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
             Opening& o = openings_[k];
             const double s = depth(o, p, i);
             if (!(s > 0 && s < depth_) || !before(o, p, i)) continue;
-            if (o.inflow) {   // not against the stream
+            if (o.inflow) {  // not against the stream
                 double& x = o.axis == 0 ? p.x[i] : o.axis == 1 ? p.y[i] : p.z[i];
                 double& v = o.axis == 0 ? p.vx[i] : o.axis == 1 ? p.vy[i] : p.vz[i];
                 x += 2 * o.sign * s;
@@ -204,8 +206,14 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
                 continue;
             }
             const double v = o.axis == 0 ? p.vx[i] : o.axis == 1 ? p.vy[i] : p.vz[i];
-            members_.push_back({p.id[i], static_cast<int>(k), static_cast<int>(i), -o.sign * v,
-                                p.p[i], p.p[i], -o.sign * v, {p.vx[i], p.vy[i], p.vz[i]}});
+            members_.push_back({p.id[i],
+                                static_cast<int>(k),
+                                static_cast<int>(i),
+                                -o.sign * v,
+                                p.p[i],
+                                p.p[i],
+                                -o.sign * v,
+                                {p.vx[i], p.vy[i], p.vz[i]}});
             inherit_reference(p, standing, members_.back());
             role_[i] = static_cast<std::uint8_t>(k + 1);
             count(o, p, i, -1);
@@ -215,8 +223,8 @@ void Openings::exchange(Particles& particles, std::vector<int>& index) {
     append_copies(particles, index);
 }
 
-/// A particle that goes out takes the slow reference over from who stands in the buffer beside its way;
-/// its own state is that of the wave that carries it out, and would send the wave back.
+/// A particle that goes out takes the slow reference over from who stands in the buffer beside its
+/// way; its own state is that of the wave that carries it out, and would send the wave back.
 void Openings::inherit_reference(const Particles& p, std::size_t standing, Member& m) const {
     const int axis = openings_[m.opening].axis;
     double closest = 1.5 * spacing_ * 1.5 * spacing_;
@@ -240,8 +248,8 @@ void Openings::append_copies(Particles& particles, std::vector<int>& index) {
     for (const Copy& copy : copies_) {
         const int from = copy.source;
         Member& member = members_[copy.member];
-        for (auto* a : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &p.drho, &p.energy, &p.rate_before,
-                        &p.p})
+        for (auto* a :
+             {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &p.drho, &p.energy, &p.rate_before, &p.p})
             (*a)[i] = (*a)[from];
         for (auto* a : {&p.fx, &p.fy, &p.fz}) (*a)[i] = 0;
         (copy.axis == 0 ? p.x : copy.axis == 1 ? p.y : p.z)[i] += copy.shift;
@@ -294,8 +302,8 @@ void Openings::locate(const Particles& particles, const std::vector<int>& index,
     }
 }
 
-/// Mean pressure, continued hydrostatically to the point `at`, and mean velocity of the fluid there.
-/// False if there is none: then the particle flies on.
+/// Mean pressure, continued hydrostatically to the point `at`, and mean velocity of the fluid
+/// there. False if there is none: then the particle flies on.
 bool Openings::look_inside(const PairPhysics& physics, const Neighborhood& neighbors,
                            const Opening& o, const double at[3], std::size_t first,
                            std::size_t last, const Particles& p, Member& m) const {
@@ -352,8 +360,8 @@ void Openings::extrapolate(const PairPhysics& physics, FluidTag tag, Neighborhoo
             if (o.pressure) {
                 held = *o.pressure;
                 for (int a = 0; a < 3; ++a)
-                    held += fluid.rho0 * gravity_[a] *
-                            (at[a] - 0.5 * (o.box.min[a] + o.box.max[a]));
+                    held +=
+                        fluid.rho0 * gravity_[a] * (at[a] - 0.5 * (o.box.min[a] + o.box.max[a]));
             }
             m.p_ref = held;
             const double impedance = fluid.rho0 * fluid.c0;
@@ -390,7 +398,7 @@ void Openings::prescribe(double t, double dt, double kick, const Vec3& gravity,
         } else {
             const double share = dt / o.relaxation;
             m.u_ref += share * (m.u_inside - m.u_ref);
-            m.p_ref += share * (m.p_inside - m.p_ref);   // given anew where the case gives it
+            m.p_ref += share * (m.p_inside - m.p_ref);  // given anew where the case gives it
         }
         float* const a[3] = {&p.ax[i], &p.ay[i], &p.az[i]};
         const double v[3] = {p.vx[i], p.vy[i], p.vz[i]}, f[3] = {p.fx[i], p.fy[i], p.fz[i]};

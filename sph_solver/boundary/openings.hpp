@@ -1,17 +1,17 @@
 #pragma once
-// Openings in the fluid's world: through an inflow fluid comes with a given speed, through an outflow
-// it leaves.
+// Openings in the fluid's world: through an inflow fluid comes with a given speed, through an
+// outflow it leaves.
 //
-// Behind the plane of an opening, outside, stands a buffer as deep as the support. Its particles are
-// particles like others, in the lists and in the sums of their neighbors; only their velocity and
-// density are prescribed. A particle that comes in over the plane becomes fluid, and a copy of it is
-// put in at the back of the buffer: the flow is counted to the particle, and each column keeps the
-// spacing it has. A particle that goes out becomes part of the buffer, and is removed at its back.
-// All that happens when lists are rebuilt.
+// Behind the plane of an opening, outside, stands a buffer as deep as the support. Its particles
+// are particles like others, in the lists and in the sums of their neighbors; only their velocity
+// and density are prescribed. A particle that comes in over the plane becomes fluid, and a copy of
+// it is put in at the back of the buffer: the flow is counted to the particle, and each column
+// keeps the spacing it has. A particle that goes out becomes part of the buffer, and is removed at
+// its back. All that happens when lists are rebuilt.
 //
 // Inflow: speed U given, pressure p_e from inside.
-// Outflow: sound must leave. With u the speed outward, e what is found inside of the plane and r the
-// reference, which follows slowly,
+// Outflow: sound must leave. With u the speed outward, e what is found inside of the plane and r
+// the reference, which follows slowly,
 //   p + rho c u = p_e + rho c u_e     the wave that goes out comes from inside
 //   p - rho c u = p_r - rho c u_r     nothing comes in
 // so  p = (p_e + p_r)/2 + rho c (u_e - u_r)/2,  u = (u_e + u_r)/2 + (p_e - p_r)/(2 rho c)
@@ -36,7 +36,7 @@ namespace undertow::sph {
 /// What passed through an opening of one fluid, positive into the world.
 struct Passed {
     std::int64_t particles = 0;
-    double momentum[3] = {0, 0, 0};   // sum of v [m/s]; times the particle's mass it is momentum
+    double momentum[3] = {0, 0, 0};  // sum of v [m/s]; times the particle's mass it is momentum
 };
 
 class Openings {
@@ -45,7 +45,8 @@ class Openings {
 
     bool any() const { return !openings_.empty(); }
     /// Fills the buffers: of an inflow on the lattice of its opening, of an outflow with the mirror
-    /// image of the fluid before it. InputError: no place for it behind a plane or out of the domain.
+    /// image of the fluid before it. InputError: no place for it behind a plane or out of the
+    /// domain.
     void fill(const MirrorPlanes& mirror, const std::optional<Box>& domain, Particles& particles);
 
     /// Moves particles between fluid and buffers, before lists are rebuilt. Appends particles and
@@ -53,12 +54,14 @@ class Openings {
     void exchange(Particles& particles, std::vector<int>& index);
     /// exchange() found that the particle has left through an outflow.
     bool gone(std::size_t i) const { return role_[i] == left; }
+    /// The particle is no fluid yet, or no more. Between exchange() and the sort.
+    bool holds(std::size_t i) const { return role_[i] != 0; }
     /// Finds the members of the buffers again, after lists were rebuilt, and what they look at.
     void locate(const Particles& particles, const std::vector<int>& index,
                 const Neighborhood& neighbors);
 
-    /// Gives the buffers' particles and records density and pressure. The records of the fluid and its
-    /// images must show the state.
+    /// Gives the buffers' particles and records density and pressure. The records of the fluid and
+    /// its images must show the state.
     void extrapolate(const PairPhysics& physics, FluidTag tag, Neighborhood& neighbors,
                      Particles& particles);
     /// Replaces the accelerations of the buffers' particles, so that the kick of length `kick` [s]
@@ -78,31 +81,31 @@ class Openings {
     struct Opening {
         std::string name;
         bool inflow;
-        int axis;                         // of the normal
-        double sign;                      // normal: +1 or -1 along it
-        double face;                      // [m] along the axis
+        int axis;     // of the normal
+        double sign;  // normal: +1 or -1 along it
+        double face;  // [m] along the axis
         Box box;
-        int fluid = 0;                    // inflow
-        std::optional<Expression> speed;  // inflow [m/s]
-        std::optional<double> pressure, level;   // [Pa], [m]
-        double relaxation = 0;            // tau [s]
-        std::vector<Passed> passed;       // [fluids]
+        int fluid = 0;                          // inflow
+        std::optional<Expression> speed;        // inflow [m/s]
+        std::optional<double> pressure, level;  // [Pa], [m]
+        double relaxation = 0;                  // tau [s]
+        std::vector<Passed> passed;             // [fluids]
     };
     struct Member {
         std::int64_t id;
-        int opening, index;               // index: sorted, while lists hold
-        double u_ref, p_ref;              // outflow [m/s], [Pa]
-        double p_inside, u_inside;        // [Pa], [m/s]
-        double next[3];                   // velocity to take [m/s]
+        int opening, index;         // index: sorted, while lists hold
+        double u_ref, p_ref;        // outflow [m/s], [Pa]
+        double p_inside, u_inside;  // [Pa], [m/s]
+        double next[3];             // velocity to take [m/s]
     };
-    struct Copy {                         // of a particle that came in, for the back of its buffer
+    struct Copy {  // of a particle that came in, for the back of its buffer
         int source, axis;
-        double shift;                     // [m]
-        std::size_t member;               // takes it over
+        double shift;        // [m]
+        std::size_t member;  // takes it over
     };
 
-    double depth(const Opening& o, const Particles& p, std::size_t i) const;   // outside > 0 [m]
-    bool before(const Opening& o, const Particles& p, std::size_t i) const;    // within its box
+    double depth(const Opening& o, const Particles& p, std::size_t i) const;  // outside > 0 [m]
+    bool before(const Opening& o, const Particles& p, std::size_t i) const;   // within its box
     static void count(Opening& o, const Particles& p, std::size_t i, int direction);
     void inherit_reference(const Particles& particles, std::size_t standing, Member& m) const;
     void append_copies(Particles& particles, std::vector<int>& index);
@@ -112,14 +115,14 @@ class Openings {
 
     static constexpr std::uint8_t left = 255;
     bool flat_;
-    double spacing_, depth_;              // [m]; depth of the buffers
-    Vec3 gravity_;                        // balanced by pressure [m/s2]
+    double spacing_, depth_;  // [m]; depth of the buffers
+    Vec3 gravity_;            // balanced by pressure [m/s2]
     std::vector<Opening> openings_;
     std::vector<Member> members_;
-    std::vector<std::uint8_t> role_;      // by sorted index: 0 fluid, k + 1 in the buffer of opening k
+    std::vector<std::uint8_t> role_;  // by sorted index: 0 fluid, k + 1 in the buffer of opening k
     std::vector<Copy> copies_;
-    std::vector<std::size_t> near_begin_; // [members + 1] into near_
-    std::vector<int> near_;               // records that a member looks at
+    std::vector<std::size_t> near_begin_;  // [members + 1] into near_
+    std::vector<int> near_;                // records that a member looks at
     std::int64_t put_back_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
-// Periodic axes: what leaves the domain through one face comes in through the opposite one. Particles
-// near a face have images by translation, beside the images by reflection of mirror_planes.hpp, which
-// combines both. Particles are put back into the domain when lists are rebuilt; in between they may
-// stand outside by half the skin.
+// Periodic axes: what leaves the domain through one face comes in through the opposite one.
+// Particles near a face have images by translation, beside the images by reflection of
+// mirror_planes.hpp, which combines both. Particles are put back into the domain when lists are
+// rebuilt; in between they may stand outside by half the skin.
 
 #include <cmath>
 #include <optional>
@@ -16,15 +16,15 @@ namespace undertow::sph {
 class Periodic {
  public:
     Periodic() = default;
-    /// axes: of "x", "y", "z"; their period is the extent of the domain. Throws InputError without a
-    /// domain, or where a period is shorter than twice the support [m]: a particle would meet
+    /// axes: of "x", "y", "z"; their period is the extent of the domain. Throws InputError without
+    /// a domain, or where a period is shorter than twice the support [m]: a particle would meet
     /// another one and its image at once.
     Periodic(const std::vector<std::string>& axes, const std::optional<Box>& domain,
              double support);
 
     struct Axis {
-        int axis;             // 0, 1, 2
-        double low, length;   // [m]
+        int axis;            // 0, 1, 2
+        double low, length;  // [m]
     };
     const std::vector<Axis>& axes() const { return axes_; }
     bool along(int axis) const;
@@ -38,7 +38,6 @@ class Periodic {
                 if (x[a.axis] >= a.low + a.length) x[a.axis] = a.low;
             }
     }
-
 
  private:
     std::vector<Axis> axes_;

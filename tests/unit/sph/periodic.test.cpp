@@ -40,8 +40,8 @@ std::vector<Vec3> accelerations(const FluidSystem& fluid) {
 
 TEST_CASE("in a periodic box pair forces sum to zero") {
     const int dimension = GENERATE(2, 3);
-    const std::vector<std::string> axes =
-        dimension == 2 ? std::vector<std::string>{"x", "z"} : std::vector<std::string>{"x", "y", "z"};
+    const std::vector<std::string> axes = dimension == 2 ? std::vector<std::string>{"x", "z"}
+                                                         : std::vector<std::string>{"x", "y", "z"};
     FluidSystem fluid(periodic_box(0.01, {0.12, 0.07, 0.09}, axes, dimension), 0.2);
     scenes::disturb(fluid, 0.3, 0.5, 2000);
     sum(fluid);
@@ -66,7 +66,7 @@ TEST_CASE("nothing in a periodic box knows where the seam is") {
     scenes::disturb(there, 0.3, 0.5, 2000);
     for (std::size_t i = 0; i < there.particles.size(); ++i) {
         there.particles.x[i] += 0.0537;
-        there.particles.y[i] -= 0.231;   // more than two periods
+        there.particles.y[i] -= 0.231;  // more than two periods
     }
     sum(here);
     sum(there);
@@ -91,7 +91,7 @@ TEST_CASE("a stream that crosses the seam is the water at rest seen from a boat"
     input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1}),
                        scenes::plane("lid", {0, 0, 0.1}, {0, 0, -1})};
     FluidSystem rest(input, 0.4), stream(input, 0.4);
-    const int steps = 1000;   // a period and a quarter
+    const int steps = 1000;  // a period and a quarter
     for (FluidSystem* fluid : {&rest, &stream}) {
         for (std::size_t i = 0; i < fluid->particles.size(); ++i) {
             const double x = fluid->particles.x[i], z = fluid->particles.z[i];
@@ -110,8 +110,8 @@ TEST_CASE("a stream that crosses the seam is the water at rest seen from a boat"
         const int i = rest.index_of(std::int64_t(id)), j = stream.index_of(std::int64_t(id));
         double apart = stream.particles.x[j] - rest.particles.x[i] - drift;
         apart -= 0.16 * std::round(apart / 0.16);
-        largest = std::max({largest, std::abs(apart),
-                            std::abs(stream.particles.z[j] - rest.particles.z[i])});
+        largest = std::max(
+            {largest, std::abs(apart), std::abs(stream.particles.z[j] - rest.particles.z[i])});
     }
     // velocities are float32 in the pair sums: 6e-8 of 0.8 m/s against 0.02 m/s
     CHECK(largest < 1e-4 * dx);
@@ -154,7 +154,7 @@ TEST_CASE("gravity along a periodic axis drives the flow and makes no pressure")
     }
     for (std::size_t i = 0; i < fluid.particles.size(); ++i) {
         CHECK(fluid.particles.vx[i] == Approx(0.3 * (t - 0.5e-4)).epsilon(1e-6));
-        CHECK(std::abs(fluid.particles.p[i]) < 1e-3);   // [Pa], of rho c0^2 = 1e5
+        CHECK(std::abs(fluid.particles.p[i]) < 1e-3);  // [Pa], of rho c0^2 = 1e5
     }
 }
 
@@ -187,7 +187,7 @@ TEST_CASE("a plate moves along a periodic axis for good") {
     input.sph.plate = {lid};
     FluidSystem fluid(input, 0.4);
     double t = 0, before = 0;
-    for (int n = 0; n < 400; ++n) {   // a quarter of a period beyond the end
+    for (int n = 0; n < 400; ++n) {  // a quarter of a period beyond the end
         scenes::two_pass_step(fluid, t, 5e-4, before);
         before = 5e-4;
         double low = 1e300, high = -1e300;
