@@ -1,0 +1,45 @@
+"""Rotating patch: what must stay as it was, and whether the patch holds together."""
+import numpy as np
+
+from undertow_tool.verify.measured import Measured
+
+
+def nearest_distance(x, others=None):
+    """Of each point to the nearest other one, in the x-z plane [m]; plain numpy, in blocks."""
+    points = x[:, [0, 2]]
+    targets = points if others is None else others[:, [0, 2]]
+    found = np.empty(len(points))
+    for start in range(0, len(points), 500):
+        d2 = np.sum((points[start:start + 500, None, :] - targets[None, :, :]) ** 2, axis=2)
+        if others is None:
+            d2[np.arange(len(d2)), start + np.arange(len(d2))] = np.inf
+        found[start:start + 500] = np.sqrt(d2.min(axis=1))
+    return found
+
+
+def report(results_dir, case, summary):
+    run = Measured(results_dir, case, summary)
+    steps = [run.fields.nearest(t) for t in (0.0, 1.0, 2.0, run.times[-1])]
+    states = [run.fields.read(step, "velocity") for step in steps]
+    mass = run.masses(0, len(states[0][0]))
+    turning = [float(mass @ (x[:, 2] * v[:, 0] - x[:, 0] * v[:, 2])) for x, v in states]
+    kinetic = [float(mass @ np.sum(v**2, axis=1)) for _, v in states]
+    run.residual("angular momentum at w t = 4, change", turning[-1] / turning[0] - 1)
+    run.residual("kinetic energy at w t = 2, change", kinetic[2] / kinetic[0] - 1)
+    run.residual("kinetic energy at w t = 4, change", kinetic[-1] / kinetic[0] - 1)
+    for name, (x, _) in (("w t = 2", states[2]), ("w t = 4", states[-1])):
+        turned = np.column_stack([x[:, 2], x[:, 1], -x[:, 0]])     # by a quarter turn
+        run.residual(f"four-fold symmetry at {name}, rms distance/dx",
+                     np.sqrt(np.mean(nearest_distance(turned, x) ** 2)) / run.dx)
+        run.residual(f"particles clumped at {name}", float(np.mean(nearest_distance(x) < 0.5 * run.dx)))
+    return run.rows
+
+
+def draw(axes, runs):
+    label, run = runs[-1]
+    for k, t in enumerate((0.0, 1.0, 2.0, run.times[-1])):
+        x, p = run.at(t, "pressure")
+        axes.scatter(x[:, 0] + 1.9 * (k % 2), x[:, 2] - 1.9 * (k // 2), c=p, s=0.6, cmap="RdBu_r", vmin=-150, vmax=150)
+        axes.text(1.9 * (k % 2) - 0.8, 0.75 - 1.9 * (k // 2), f"w t = {t:g}", fontsize=7)
+    axes.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
+    axes.grid(False)
