@@ -32,6 +32,11 @@ def report(results_dir, case, summary):
         errors.append(np.sqrt(np.mean(np.sum((v[:, [0, 2]] - wanted) ** 2, axis=1)) / np.mean(np.sum(wanted**2, axis=1))))
     for t, error in zip((0.5, 1.0, 2.0), errors):
         run.residual(f"velocity field at {t:g} s, rms over rms", error)
+    last = len(run.fields) - 1
+    x, density = run.fields.read(last, "density")
+    volume = float(np.sum(run.masses(last, len(x)) / density)) / case["case"]["thickness"]
+    start = float(np.sum(run.masses(0, len(x)) / run.fields.read(0, "density")[1])) / case["case"]["thickness"]
+    run.residual("volume of all particles, change", volume / start - 1)
     return run.rows
 
 

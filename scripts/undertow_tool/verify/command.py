@@ -7,7 +7,7 @@ from ..paths import RESULTS, shown
 from ..results_folder import describe_run, write_json
 from ..table import console
 from .ladder import folder_of, known_verifications, ladder_of, run_rung
-from .order import observed_order, row_names
+from .order import orders_of
 
 
 def say(text):
@@ -57,22 +57,22 @@ def verify_one(folder, arguments, root):
     result = {"name": folder.name, "title": case["case"]["title"], "exact": settings.get("exact", ""),
               "gates_from": settings.get("gates_from", ""), "defects": settings.get("defects", {}),
               "made": describe_run(["verify", folder.name], arguments.threads or 1), "set": arguments.set,
-              "orders": {name: observed_order(rungs, name) for name in row_names(rungs)},
+              "orders": orders_of(rungs, settings),
               "rungs": [{"level": r.level, "variant": r.variant, "label": r.label, "figures": r.figures} for r in rungs],
               "failed_runs": failed}
     states = [(rung.label, row["name"], row_state(row)) for rung in rungs for row in rung.figures["checks"]]
     result["ok"] = not failed and all(state != "FAILS" for _, _, state in states)
     write_json(root / f"{folder.name}.json", result)
     if rungs and not arguments.quick:
-        draw_ladder(result["title"], folder, rungs, outs, root / f"{folder.name}.png")
+        draw_ladder(result["title"], settings, folder, rungs, outs, root / f"{folder.name}.png")
     if rungs:
-        console(width=190).print(ladder_table(result))
+        console(width=230).print(ladder_table(result))
     for label, name, state in states:
         if state == "mended":
             say(f"{folder.name}, {label}: {name} keeps its gate although it is listed as a known defect: if it does so at "
                 "every level, take it out of [report.defects].")
         elif state == "defect":
-            say(f"{folder.name}, {label}: known defect, {name}: {settings['defects'][name]}")
+            say(f"{folder.name}, {label}: known defect, {name}: {settings['defects'][name]['why']}")
     return result["ok"]
 
 

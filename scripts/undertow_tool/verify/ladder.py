@@ -86,7 +86,7 @@ def run_rung(folder, rung, overrides, variants, threads, root, reuse):
     join_energy(out)
     write_json(out / "summary.json", summary)
     run_report(out, case, summary)
-    summary["ok"] = all(row["ok"] is not False or row.get("defect") for row in summary["checks"])
+    summary["ok"] = all(row["ok"] is not False or (row.get("defect") and not row["worse"]) for row in summary["checks"])
     write_json(out / "summary.json", summary)
     rung.figures = figures_of(out, case, summary)
     return out

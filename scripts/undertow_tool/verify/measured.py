@@ -8,7 +8,9 @@ rows that compare them with what is exact.
         run.compare("frequency", fitted_frequency(run), 7.836, "rad/s", "linear theory")
         return run.rows
 
-Gates stand in the case: [report.gates] gives each row's largest error at every level of the ladder.
+Gates stand in the case: [report.gates] gives each row's largest error at every level of the ladder. A row
+that misses a gate of physics for a known reason is listed in [report.defects] with that reason and with the
+error it may have until it is mended.
 """
 from pathlib import Path
 
@@ -91,12 +93,14 @@ class Measured:
     # ---- rows of the table
     def gate(self, name):
         """Largest allowed error of a row at this run's level; None when there is none."""
-        gates = (self.settings.get("gates") or {}).get(name)
+        return self._at_level((self.settings.get("gates") or {}).get(name))
+
+    def _at_level(self, values):
+        """One number for all levels, or one for each; variants and overrides are not judged."""
         level, ladder = self.summary.get("level", ""), self.settings.get("ladder") or []
-        if gates is None or level not in ladder:
+        if values is None or level not in ladder or self.summary.get("variants") or self.summary.get("set"):
             return None
-        gate = gates[ladder.index(level)] if isinstance(gates, list) else gates
-        return float(gate)
+        return float(values[ladder.index(level)] if isinstance(values, list) else values)
 
     def compare(self, name, value, reference, unit="", note=""):
         """Error relative to a reference that is not 0."""
@@ -106,10 +110,16 @@ class Measured:
         """Something that should be 0, made dimensionless by the caller or with its unit."""
         self._add(check(name, float(value), 0.0, float(value), self.gate(name), unit, note))
 
+    def tell(self, name, value, unit="", note=""):
+        """A figure without a reference."""
+        self._add(check(name, float(value), None, unit=unit, note=note))
+
     def _add(self, row):
         if row["tolerance"] is not None and row.get("measure") == "relative":
             row["ok"] = bool(row["error"] is not None and abs(row["error"]) <= row["tolerance"])
         known = (self.settings.get("defects") or {}).get(row["name"])
         if known:
-            row["defect"] = known
+            row["defect"] = known["why"]
+            at_most = self._at_level(known.get("at_most"))
+            row["worse"] = at_most is not None and not (row["error"] is not None and abs(row["error"]) <= at_most)
         self.rows.append(row)

@@ -26,6 +26,11 @@ def observed_order(rungs, name):
     return float(np.polyfit(np.log(pairs[:, 0]), np.log(pairs[:, 1]), 1)[0])
 
 
+def orders_of(rungs, settings):
+    """Row -> observed order, of the rows that [report] converges names; without it, of all."""
+    return {name: observed_order(rungs, name) for name in settings.get("converges", row_names(rungs))}
+
+
 def row_names(rungs):
     """Names of all rows, in order of first appearance."""
     names = []

@@ -15,11 +15,12 @@ BEGIN, END = "<!-- verify: begin (written by scripts/undertow verify --docs) -->
 
 
 def row_state(row):
-    """"ok", "FAILS", "defect" (known, still there), "mended" (known, but now within its gate), "-"."""
+    """"ok", "FAILS" (also a known defect that has grown), "defect" (known), "mended" (known, but now within
+    its gate), "-" (not judged)."""
     if row["ok"] is None:
         return "-"
     if row.get("defect"):
-        return "mended" if row["ok"] else "defect"
+        return "mended" if row["ok"] else "FAILS" if row["worse"] else "defect"
     return "ok" if row["ok"] else "FAILS"
 
 
@@ -85,6 +86,6 @@ def section(result):
         lines += ["", "Observed order: " + ", ".join(orders) + "."]
     if result.get("gates_from"):
         lines += ["", f"Gates: {result['gates_from']}"]
-    for name, why in result.get("defects", {}).items():
-        lines += ["", f"**Known defect**, {name}: {why}"]
+    for name, defect in result.get("defects", {}).items():
+        lines += ["", f"**Known defect**, {name}: {defect['why']}"]
     return lines

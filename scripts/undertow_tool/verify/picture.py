@@ -7,7 +7,7 @@ from .. import pictures
 from ..pictures import plt
 from ..results_folder import read_json
 from .measured import Measured
-from .order import errors_of, observed_order, row_names
+from .order import errors_of, orders_of, row_names
 
 COLORS = ("#3b7dd8", "#d1495b", "#2a9d8f", "#8a5a9e", "#c98b1b")
 MARKS = ("o", "s", "^", "D", "v")
@@ -28,7 +28,7 @@ def shown_rows(rungs):
     return sorted(row_names(rungs), key=lambda name: not gated(name))[:len(COLORS)]
 
 
-def draw_ladder(title, folder, rungs, outs, path):
+def draw_ladder(title, settings, folder, rungs, outs, path):
     draw = own_panel(folder)
     figure = pictures.new_figure((11 if draw else 7.6, 3.5))
     axes = figure.subplots(1, 3 if draw else 2)
@@ -37,9 +37,10 @@ def draw_ladder(title, folder, rungs, outs, path):
                 for rung, out in zip(rungs, outs) if not rung.variant]
         draw(axes[0], runs)
     against_dx, against_cost = axes[-2], axes[-1]
+    orders = orders_of(rungs, settings)
     for k, name in enumerate(shown_rows(rungs)):
         pairs = errors_of(rungs, name)
-        order = observed_order(rungs, name)
+        order = orders.get(name)
         label = name + (f", order {order:.1f}" if order is not None else "")
         style = {"color": COLORS[k], "marker": MARKS[k], "markersize": 4.5, "linewidth": 1.2}
         against_dx.plot(pairs[:, 0], np.maximum(pairs[:, 1], 1e-16), label=label, **style)
