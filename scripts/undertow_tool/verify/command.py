@@ -80,7 +80,7 @@ def add_command(commands, positive):
     sub = commands.add_parser("verify", help="exact solutions: error and cost of the SPH solver alone, over resolutions")
     sub.add_argument("names", nargs="*", metavar="NAME", help="folders of cases/verify_sph, or other folders; default: all")
     sub.add_argument("--list", action="store_true", help="name them and end")
-    sub.add_argument("--quick", action="store_true", help="the coarsest level alone, no pictures")
+    sub.add_argument("--quick", action="store_true", help="without the finest level, variants and pictures")
     sub.add_argument("--long", action="store_true", help="the levels that [report] lists as long as well")
     sub.add_argument("--level", action="append", default=[], help="only this level; may be repeated")
     sub.add_argument("--with", dest="variants", action="append", default=[], metavar="VARIANT",

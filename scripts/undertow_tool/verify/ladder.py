@@ -51,7 +51,7 @@ def ladder_of(folder, quick, long):
         raise UserError(f"{shown(folder)}/case.toml: [report] has no ladder: list the levels to run, coarsest first.")
     levels = settings["ladder"]
     if quick:
-        return [Rung(level) for level in settings.get("quick", levels[:1])]
+        return [Rung(level) for level in levels[:-1] or levels]
     rungs = [Rung(level) for level in levels]
     middle = levels[min(1, len(levels) - 1)]
     rungs += [Rung(middle, variant) for variant in settings.get("choices", [])]

@@ -96,11 +96,13 @@ class Measured:
         return self._at_level((self.settings.get("gates") or {}).get(name))
 
     def _at_level(self, values):
-        """One number for all levels, or one for each; variants and overrides are not judged."""
+        """One number for all levels, or one for each of the ladder; variants and overrides are not judged."""
         level, ladder = self.summary.get("level", ""), self.settings.get("ladder") or []
-        if values is None or level not in ladder or self.summary.get("variants") or self.summary.get("set"):
+        if values is None or not level or self.summary.get("variants") or self.summary.get("set"):
             return None
-        return float(values[ladder.index(level)] if isinstance(values, list) else values)
+        if not isinstance(values, list):
+            return float(values)
+        return float(values[ladder.index(level)]) if level in ladder else None
 
     def compare(self, name, value, reference, unit="", note=""):
         """Error relative to a reference that is not 0."""
