@@ -4,6 +4,10 @@ import numpy as np
 from undertow_tool.verify.measured import Measured
 
 
+SUCTION = -147.3            # [Pa] -0.1473 rho w^2 L^2: the series of case.toml at x = z = 0
+EARLY = (0.1, 0.5)          # w t: after the sound of the start, before the square is much of an octagon
+
+
 def nearest_distance(x, others=None):
     """Of each point to the nearest other one, in the x-z plane [m]; plain numpy, in blocks."""
     points = x[:, [0, 2]]
@@ -24,6 +28,10 @@ def report(results_dir, case, summary):
     mass = run.masses(0, len(states[0][0]))
     turning = [float(mass @ (x[:, 2] * v[:, 0] - x[:, 0] * v[:, 2])) for x, v in states]
     kinetic = [float(mass @ np.sum(v**2, axis=1)) for _, v in states]
+    gauges = run.history("gauges")
+    early = (gauges["t"] > EARLY[0]) & (gauges["t"] < EARLY[1])
+    run.compare("suction at the center, 0.1 < w t < 0.5", np.mean(gauges["center"][early]), SUCTION, "Pa",
+                "of the square at w t = 0; it weakens with the square of time")
     run.residual("angular momentum at w t = 4, change", turning[-1] / turning[0] - 1)
     run.residual("kinetic energy at w t = 2, change", kinetic[2] / kinetic[0] - 1)
     run.residual("kinetic energy at w t = 4, change", kinetic[-1] / kinetic[0] - 1)

@@ -1,13 +1,14 @@
 """undertow verify: runs ladders, judges them, keeps figures and pictures."""
+import traceback
 from pathlib import Path
 
 from ..case import resolve
-from ..errors import CHECKS_FAILED, DONE, RunFailed
+from ..errors import CHECKS_FAILED, DONE, RunFailed, UserError
 from ..paths import RESULTS, shown
 from ..results_folder import describe_run, write_json
 from ..table import console
 from .ladder import folder_of, known_verifications, ladder_of, run_rung
-from .order import orders_of
+from .order import orders_of, row_names, unknown_rows
 
 
 def say(text):
@@ -41,7 +42,12 @@ def verify_one(folder, arguments, root):
     root.mkdir(parents=True, exist_ok=True)
     case = resolve(folder, [])
     rungs, outs, failed = [], [], []
-    for rung in ladder_of(folder, arguments.quick, arguments.long):
+    planned = ladder_of(folder, arguments.quick, arguments.long)
+    levels = list(dict.fromkeys(rung.level for rung in planned))
+    for level in arguments.level:
+        if level not in levels:
+            raise UserError(f"{shown(folder)}: --level {level} is not among the levels to run: {', '.join(levels)}.")
+    for rung in planned:
         if arguments.level and rung.level not in arguments.level:
             continue
         if not arguments.quiet:
@@ -53,7 +59,16 @@ def verify_one(folder, arguments, root):
         except RunFailed as error:
             failed.append(rung.label)
             say(f"{folder.name}, {rung.label}: {error}")
+        except (UserError, KeyboardInterrupt):
+            raise
+        except Exception:      # noqa: BLE001: whatever a verification's own script raises
+            traceback.print_exc()
+            failed.append(rung.label)
+            say(f"{folder.name}, {rung.label}: its report.py failed (above)")
     settings = case["report"]
+    if rungs and (unknown := unknown_rows(rungs, settings)):
+        raise UserError(f"{shown(folder)}/case.toml: [report] names \"{unknown[0]}\", but report.py makes no such row: "
+                        f"it has {', '.join(row_names(rungs))}.")
     result = {"name": folder.name, "title": case["case"]["title"], "exact": settings.get("exact", ""),
               "gates_from": settings.get("gates_from", ""), "defects": settings.get("defects", {}),
               "made": describe_run(["verify", folder.name], arguments.threads or 1), "set": arguments.set,

@@ -49,7 +49,20 @@ def ladder_of(folder, quick, long):
     settings = resolve(folder, [])["report"]
     if not isinstance(settings.get("ladder"), list) or not settings["ladder"]:
         raise UserError(f"{shown(folder)}/case.toml: [report] has no ladder: list the levels to run, coarsest first.")
+    if not (Path(folder) / "report.py").exists():
+        raise UserError(f"{shown(folder)} has no report.py: it compares the results with what is exact; "
+                        f"copy that of {shown(CASES / 'standing_wave')}.")
     levels = settings["ladder"]
+    for table, values in (("gates", settings.get("gates") or {}),
+                          ("defects", {name: d.get("at_most") for name, d in (settings.get("defects") or {}).items()})):
+        for name, value in values.items():
+            if isinstance(value, list) and len(value) != len(levels):
+                raise UserError(f"{shown(folder)}/case.toml: report.{table}.\"{name}\" has {len(value)} errors for "
+                                f"{len(levels)} levels of the ladder: give one for each, or one number for all.")
+    for name, defect in (settings.get("defects") or {}).items():
+        if "why" not in defect or name not in (settings.get("gates") or {}):
+            raise UserError(f"{shown(folder)}/case.toml: report.defects.\"{name}\" needs a reason, `why`, and a gate of "
+                            "its name in [report.gates].")
     if quick:
         return [Rung(level) for level in levels[:-1] or levels]
     rungs = [Rung(level) for level in levels]

@@ -31,6 +31,13 @@ def orders_of(rungs, settings):
     return {name: observed_order(rungs, name) for name in settings.get("converges", row_names(rungs))}
 
 
+def unknown_rows(rungs, settings):
+    """Names in [report] that no row of the results has: mistyped, a gate would never be judged."""
+    rows = row_names(rungs)
+    named = [*(settings.get("gates") or {}), *settings.get("converges", [])]
+    return [name for name in named if name not in rows]
+
+
 def row_names(rungs):
     """Names of all rows, in order of first appearance."""
     names = []

@@ -5,7 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..errors import UserError
-from ..paths import TOP
+from ..paths import TOP, shown
 from ..results_folder import read_json
 from ..table import error_text, limit_text, number
 
@@ -60,6 +60,8 @@ def write_page(root):
         result = read_json(path)
         if result is None or "rungs" not in result:
             continue
+        if not path.with_suffix(".png").exists():
+            raise UserError(f"{shown(path)} is of a quick run without a picture: run `undertow verify {result['name']}` first.")
         shutil.copyfile(path.with_suffix(".png"), IMAGES / f"{result['name']}.png")
         lines += section(result)
     before, rest = text.split(BEGIN)
