@@ -40,7 +40,7 @@ def draw(axes, runs):
     label, run = runs[-1]
     for k, t in enumerate((0.0, 0.1, 0.2, 0.4)):
         x, p = run.at(t, "pressure")
-        axes.scatter(x[:, 0] + 1.3 * (k % 2), x[:, 2] - 1.3 * (k // 2), c=p / 1e3, s=0.5, cmap="RdBu_r", vmin=-4, vmax=4)
+        axes.scatter(x[:, 0] + 1.3 * (k % 2), x[:, 2] - 1.3 * (k // 2), c=p / 1e3, s=0.5, cmap="coolwarm", vmin=-4, vmax=4)
         axes.text(1.3 * (k % 2) - 0.5, 0.4 - 1.3 * (k // 2), f"{t:g} s", fontsize=7)
     axes.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
     axes.grid(False)

@@ -47,7 +47,7 @@ def draw(axes, runs):
     label, run = runs[-1]
     for k, t in enumerate((0.0, 1.0, 2.0, run.times[-1])):
         x, p = run.at(t, "pressure")
-        axes.scatter(x[:, 0] + 1.9 * (k % 2), x[:, 2] - 1.9 * (k // 2), c=p, s=0.6, cmap="RdBu_r", vmin=-150, vmax=150)
-        axes.text(1.9 * (k % 2) - 0.8, 0.75 - 1.9 * (k // 2), f"w t = {t:g}", fontsize=7)
-    axes.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
+        axes.scatter(x[:, 0] + 2.6 * (k % 2), x[:, 2] - 2.6 * (k // 2), c=p, s=0.6, cmap="coolwarm", vmin=-100, vmax=100)
+        axes.text(2.6 * (k % 2) - 0.8, 1.1 - 2.6 * (k // 2), f"w t = {t:g}", fontsize=7)
+    axes.set(aspect="equal", xlim=(-1.3, 3.9), ylim=(-3.9, 1.4), xlabel="x [m]", ylabel="z [m]")
     axes.grid(False)

@@ -80,7 +80,8 @@ def section(result):
         cells = [rung["label"], number(f["spacing"]), number(f["particles"]), number(f["steps"]), f"{f['cpu_s']:.1f}",
                  f"{1e-6 * f['particle_steps_per_cpu_s']:.1f}", number(f["max_density_deviation"]), number(f["momentum_error"])]
         for row in f["checks"]:
-            lines.append("| " + " | ".join(cells + [row["name"], number(row["value"], row["unit"]), error_text(row),
+            name = row["name"].replace("|", "\\|")      # Markdown's own mark of columns
+            lines.append("| " + " | ".join(cells + [name, number(row["value"], row["unit"]), error_text(row),
                                                     limit_text(row), row_state(row)]) + " |")
             cells = [""] * len(cells)
     orders = [f"{name} {order:.1f}" for name, order in result["orders"].items() if order is not None]

@@ -25,7 +25,8 @@ def shown_rows(rungs):
     """Rows with a gate first: they are what the case is about. At most five fit."""
     def gated(name):
         return any(r["name"] == name and r["tolerance"] is not None for rung in rungs for r in rung.figures["checks"])
-    return sorted(row_names(rungs), key=lambda name: not gated(name))[:len(COLORS)]
+    with_errors = [name for name in row_names(rungs) if len(errors_of(rungs, name))]
+    return sorted(with_errors, key=lambda name: not gated(name))[:len(COLORS)]
 
 
 def draw_ladder(title, settings, folder, rungs, outs, path):
@@ -62,5 +63,5 @@ def draw_ladder(title, settings, folder, rungs, outs, path):
     if draw:
         axes[0].set_title(title)
     figure.tight_layout()
-    figure.savefig(path, dpi=100)
+    figure.savefig(path, dpi=100, bbox_inches="tight")
     plt.close(figure)
