@@ -21,6 +21,16 @@ def nearest_distance(x, others=None):
     return found
 
 
+def crowding(x, dx):
+    """Mean number of particles within two spacings of a particle, itself included: where the fluid keeps its
+    area this stays as it was but for those at the surface."""
+    points, total = x[:, [0, 2]], 0
+    for start in range(0, len(points), 500):
+        d2 = np.sum((points[start:start + 500, None, :] - points[None, :, :]) ** 2, axis=2)
+        total += np.count_nonzero(d2 < (2.1 * dx) ** 2)
+    return total / len(points)
+
+
 def report(results_dir, case, summary):
     run = Measured(results_dir, case, summary)
     steps = [run.fields.nearest(t) for t in (0.0, 1.0, 2.0, run.times[-1])]
@@ -35,6 +45,9 @@ def report(results_dir, case, summary):
     run.residual("angular momentum at w t = 4, change", turning[-1] / turning[0] - 1)
     run.residual("kinetic energy at w t = 2, change", kinetic[2] / kinetic[0] - 1)
     run.residual("kinetic energy at w t = 4, change", kinetic[-1] / kinetic[0] - 1)
+    first = crowding(states[0][0], run.dx)
+    for name, (x, _) in (("w t = 1", states[1]), ("w t = 2", states[2])):
+        run.residual(f"particles per area at {name}, change", crowding(x, run.dx) / first - 1)
     for name, (x, _) in (("w t = 2", states[2]), ("w t = 4", states[-1])):
         turned = np.column_stack([x[:, 2], x[:, 1], -x[:, 0]])     # by a quarter turn
         run.residual(f"four-fold symmetry at {name}, rms distance/dx",
@@ -45,9 +58,9 @@ def report(results_dir, case, summary):
 
 def draw(axes, runs):
     label, run = runs[-1]
-    for k, t in enumerate((0.0, 1.0, 2.0, run.times[-1])):
+    for k, t in enumerate((0.0, 0.5, 1.0, 2.0)):
         x, p = run.at(t, "pressure")
-        axes.scatter(x[:, 0] + 2.6 * (k % 2), x[:, 2] - 2.6 * (k // 2), c=p, s=0.6, cmap="coolwarm", vmin=-100, vmax=100)
-        axes.text(2.6 * (k % 2) - 0.8, 1.1 - 2.6 * (k // 2), f"w t = {t:g}", fontsize=7)
-    axes.set(aspect="equal", xlim=(-1.3, 3.9), ylim=(-3.9, 1.4), xlabel="x [m]", ylabel="z [m]")
+        axes.scatter(x[:, 0] + 2.0 * (k % 2), x[:, 2] - 2.0 * (k // 2), c=p, s=0.6, cmap="coolwarm", vmin=-100, vmax=100)
+        axes.text(2.0 * (k % 2) - 0.9, 0.8 - 2.0 * (k // 2), f"w t = {t:g}", fontsize=7)
+    axes.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
     axes.grid(False)
