@@ -81,7 +81,7 @@ Count count_over_100_steps(const Case& input, int warm_up) {
 
 TEST_CASE("the counter sees an allocation") {
     const long earlier = allocations;
-    ::operator delete(::operator new(4));   // a call the compiler must not leave out
+    ::operator delete(::operator new(4));  // a call the compiler must not leave out
     const long later = allocations;
     CHECK(later == earlier + 1);
 }
