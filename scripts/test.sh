@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # scripts/test.sh [--quick|--long]: sets up, builds and runs the tests; fails when a test fails.
 # First the unit tests in a build with address and undefined-behavior sanitizers, then all tests in the
-# usual build. --quick leaves out the sanitizers and the tests labeled slow (whole cases); --long adds
-# those labeled long.
+# usual build. --quick leaves out the sanitizers and the tests labeled slow or validation (whole cases);
+# --long adds those labeled long.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,7 +11,7 @@ sanitize=1
 case "${1:-}" in
     "") ;;
     --quick)
-        leave_out=(-LE '^(long|slow)$')
+        leave_out=(-LE '^(long|slow|validation)$')
         sanitize=0
         ;;
     --long) leave_out=() ;;

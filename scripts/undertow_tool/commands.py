@@ -9,6 +9,7 @@ from pathlib import Path
 from . import case as cases
 from .errors import CHECKS_FAILED, DONE, INPUT, INTERRUPTED, RunFailed, UserError
 from .paths import RESULTS, newest_results, shown
+from .verify.command import add_command as add_verify
 
 
 def cores():
@@ -213,6 +214,8 @@ def parser():
     sub.add_argument("--fps", type=positive, default=25)
     sub.add_argument("--height", type=positive, default=720, help="pixels")
     sub.set_defaults(do=movie)
+
+    add_verify(commands, positive)
     return top
 
 

@@ -6,10 +6,10 @@ from rich.text import Text
 from .paths import shown
 
 
-def console():
+def console(width=120):
     """On a pipe or in a log the table is not squeezed into 80 columns."""
     screen = Console(highlight=False)
-    return screen if screen.is_terminal else Console(width=120, highlight=False)
+    return screen if screen.is_terminal else Console(width=width, highlight=False)
 
 
 def number(value, unit=""):

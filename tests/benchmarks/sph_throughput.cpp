@@ -1,131 +1,199 @@
-// Particle-steps per second of the whole step (lists, packing, sums, kick and drift) of a block of
-// moving fluid in a basin, on the threads given: one Newtonian fluid, two, two of which the lower
-// fifth is viscoplastic (a slide under water), and one that is viscoplastic all through.
-//   bench_sph_throughput [--json] [--steps N]
-// CPU time of all threads, divided by their number: what other programs take does not count.
+// Speed of the SPH solver on the developed dam break (dam_break_scene.hpp): particle-steps per
+// second of the whole step (lists, packing, sums over particles and images, wall friction, kick,
+// drift), for each way of stepping, kernel and rheology, at three sizes; bytes per particle; what
+// the machine can do at best.
+//   bench_sph_throughput [--json] [--steps N] [--sizes N]      N = 1, 2, 3 sizes (27 k, 216 k, 1.7
+//   M)
+// Speed is counted in CPU time of all threads: what other programs take does not count. Wall times
+// stand beside it. Only particles count, images and dummies of the walls are named apart.
 
+#include <malloc.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
-#include <random>
 #include <string>
+#include <vector>
 
-#include "sph_solver/fluid_system.hpp"
+#include "clocks.hpp"
+#include "dam_break_scene.hpp"
+#include "machine_peaks.hpp"
 
 using namespace undertow;
+using namespace undertow::benchmarks;
 using namespace undertow::sph;
 
 namespace {
 
-double cpu_clock() {
-    timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
+const std::vector<double> sampled{1.0, 1.7, 2.4};  // [t*]
+constexpr int warm_up = 20;                        // steps: lists, caches, an order of their own
 
-enum class Scene { one_newtonian, two_newtonian, slide_under_water, one_viscoplastic };
+struct Speed {
+    double cpu = 0, wall = 0;  // [particle-steps/s], cpu: per core
+    double neighbors = 0;      // mean number within the support
+    std::size_t particles = 0, wall_records = 0;
+};
 
-/// A basin of 60 x 20 x 40 particles that sloshes, its lower fifth of another fluid.
-Case make_case(Scene scene) {
-    Case c;
-    c.file = "benchmark";
-    c.sph.present = true;
-    c.sph.spacing = 0.0625;
-    const double dx = c.sph.spacing, length = 60 * dx, width = 20 * dx, depth = 40 * dx;
-    Fluid water{.name = "water", .density = 1000, .viscosity = 1e-3};
-    Fluid slide{.name = "slide", .density = 1681};
-    if (scene == Scene::two_newtonian) slide.viscosity = 10;
-    if (scene == Scene::slide_under_water || scene == Scene::one_viscoplastic)
-        slide.yield_stress = 7.3, slide.consistency = 3, slide.flow_index = 0.35;
-    c.sph.max_speed = 7;
-    const Fill whole{.fluid = "water", .box = {{0, 0, 0}, {length, width, depth}}};
-    const Fill low{.fluid = "slide", .box = {{0, 0, 0}, {length, width, 0.2 * depth}}};
-    switch (scene) {
-        case Scene::one_newtonian:
-            c.sph.fluid = {water};
-            c.sph.fill = {whole};
-            break;
-        case Scene::one_viscoplastic:
-            c.sph.fluid = {slide};
-            c.sph.fill = {whole};
-            c.sph.fill[0].fluid = "slide";
-            break;
-        default:
-            c.sph.fluid = {water, slide};
-            c.sph.fill = {whole, low};
-    }
-    c.sph.plane = {{"floor", {0, 0, 0}, {0, 0, 1}},
-                   {"left", {0, 0, 0}, {1, 0, 0}},
-                   {"right", {length, 0, 0}, {-1, 0, 0}},
-                   {"near", {0, 0, 0}, {0, 1, 0}},
-                   {"far", {0, width, 0}, {0, -1, 0}}};
-    return c;
-}
-
-/// Million particle-steps per second and thread.
-double throughput(Scene scene, bool two_pass, int steps) {
-    FluidSystem fluid(make_case(scene), 0.4);
-    Particles& p = fluid.particles;
-    std::mt19937 random(3);
-    std::uniform_real_distribution<double> in(-1, 1);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        p.x[i] += 0.1 * fluid.spacing() * in(random);
-        p.y[i] += 0.1 * fluid.spacing() * in(random);
-        p.z[i] += 0.1 * fluid.spacing() * in(random);
-        p.vx[i] = std::sin(p.z[i]);
-    }
-    const double dt = (two_pass ? 0.8 : 0.22) * fluid.spacing() / fluid.fluid().c0;
-    double t = 0, before = 0, before_that = 0, start = 0;
-    for (int n = -20; n < steps; ++n) {
-        if (n == 0) start = cpu_clock();
-        fluid.refresh_neighbors(t);
-        fluid.pack(t);
-        if (two_pass) {
-            fluid.sum_over_neighbors(Terms::rate);
-            fluid.advance_density(before);
-            fluid.pack(t);
+/// Mean over the states: `steps` steps of each, the best of `repeats` runs.
+Speed speed(const Case& input, const std::vector<Snapshot>& states, bool two_pass, int steps,
+            int repeats) {
+    Speed mean;
+    double cpu = 0, wall = 0, count = 0;
+    for (const Snapshot& state : states) {
+        FluidSystem fluid(input, two_pass ? 0.4 : 0.2);
+        load(state, fluid);
+        Steps at;
+        at.t = state.t;
+        Health health = fluid.health();
+        double best_cpu = 1e300, best_wall = 1e300;
+        const auto take = [&](int n) {
+            for (int k = 0; k < n; ++k) {
+                at.dt = step_size(input, fluid, health, two_pass);
+                health = take_step(fluid, at, two_pass);
+            }
+        };
+        take(warm_up);
+        for (int r = 0; r < repeats; ++r) {
+            const double cpu_start = cpu_clock(), wall_start = wall_clock();
+            take(steps);
+            best_cpu = std::min(best_cpu, cpu_clock() - cpu_start);
+            best_wall = std::min(best_wall, wall_clock() - wall_start);
         }
-        fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
-        fluid.kick_and_drift(dt, before, before_that, !two_pass);
-        before_that = before, before = dt, t += dt;
+        cpu += best_cpu, wall += best_wall, count += double(fluid.particles.size()) * steps;
+        mean.neighbors += fluid.mean_neighbors() / double(states.size());
+        mean.particles = fluid.particles.size();
+        mean.wall_records = std::max(mean.wall_records,
+                                     fluid.neighbors().records().size() - fluid.particles.size());
     }
-    return double(p.size()) * steps / (cpu_clock() - start) * 1e-6;
+    mean.cpu = count / cpu, mean.wall = count / wall;
+    return mean;
+}
+
+/// Bytes that the allocator has given out [byte].
+double allocated() {
+    const struct mallinfo2 info = mallinfo2();
+    return double(info.uordblks) + double(info.hblkhd);
+}
+
+/// Of a solver with all its lists and records, after some steps [byte].
+double bytes_per_particle(const Case& input, const Snapshot& state) {
+    const double before = allocated();
+    FluidSystem fluid(input, 0.4);
+    load(state, fluid);
+    Steps at;
+    at.t = state.t;
+    Health health = fluid.health();
+    for (int n = 0; n < 5; ++n) {
+        at.dt = step_size(input, fluid, health, true);
+        health = take_step(fluid, at, true);
+    }
+    return (allocated() - before) / double(fluid.particles.size());
+}
+
+void print(const std::string& name, const Speed& s) {
+    std::fprintf(
+        stderr,
+        "%-34s %9zu particles (walls %7zu), %5.1f neighbors: %6.2f M particle-steps/CPU s, "
+        "%6.2f M/s wall\n",
+        name.c_str(), s.particles, s.wall_records, s.neighbors, 1e-6 * s.cpu, 1e-6 * s.wall);
+}
+
+std::string key(const std::string& name, double value) {
+    char text[160];
+    std::snprintf(text, sizeof text, "\"%s\": %.5g", name.c_str(), value);
+    return text;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     bool json = false;
-    int steps = 100;
+    int steps = 60, sizes = 3;
     for (int a = 1; a < argc; ++a) {
         if (!std::strcmp(argv[a], "--json")) json = true;
-        if (!std::strcmp(argv[a], "--steps") && a + 1 < argc) steps = std::atoi(argv[a + 1]);
+        if (!std::strcmp(argv[a], "--steps") && a + 1 < argc)
+            steps = std::max(1, std::atoi(argv[++a]));
+        if (!std::strcmp(argv[a], "--sizes") && a + 1 < argc)
+            sizes = std::clamp(std::atoi(argv[++a]), 1, 3);
     }
+    const int cores = omp_get_num_procs();
+    omp_set_num_threads(1);
+    std::vector<std::string> figures;
+    const auto tell = [&](const std::string& name, const Speed& s) {
+        figures.push_back(key("sph." + name, s.cpu));
+        figures.push_back(key("sph.wall." + name, s.wall));
+    };
+
+    const double peak = fma_peak(), one = read_bandwidth(1), all = read_bandwidth(cores);
+    std::fprintf(
+        stderr,
+        "machine: %.0f GF/s per core (float FMA), reads %.1f GB/s on one core, %.1f on %d\n",
+        1e-9 * peak, 1e-9 * one, 1e-9 * all, cores);
+    figures.push_back(key("machine.fma_flops_per_core", peak));
+    figures.push_back(key("machine.read_bytes_per_s_one_core", one));
+    figures.push_back(key("machine.read_bytes_per_s", all));
+
+    constexpr double dx = 0.01;
+    const Case base = dam_break(dx);
+    const std::vector<Snapshot> states = develop(base, sampled);
     const struct {
         const char* name;
-        Scene scene;
-    } scenes[] = {{"newtonian", Scene::one_newtonian},
-                  {"two_newtonian", Scene::two_newtonian},
-                  {"slide_under_water", Scene::slide_under_water},
-                  {"viscoplastic", Scene::one_viscoplastic}};
-    if (json)
-        std::printf("{\"threads\": %d", omp_get_max_threads());
-    else
-        std::printf("%-20s %10s %10s   M particle-steps/s and thread, %d threads\n", "", "one pass",
-                    "two pass", omp_get_max_threads());
-    for (const auto& s : scenes) {
-        double best[2] = {0, 0};  // of three: what disturbs only slows
-        for (int k = 0; k < 6; ++k)
-            best[k % 2] = std::max(best[k % 2], throughput(s.scene, k % 2, steps));
-        if (json)
-            std::printf(", \"%s_one_pass\": %.4g, \"%s_two_pass\": %.4g", s.name, best[0] * 1e6,
-                        s.name, best[1] * 1e6);
-        else
-            std::printf("%-20s %10.2f %10.2f\n", s.name, best[0], best[1]);
+        std::vector<std::string> set;
+        bool two_pass;
+    } kinds[] = {
+        {"newtonian_one_pass", {}, false},
+        {"newtonian_two_pass", {}, true},
+        {"cubic_spline_two_pass", {"sph.kernel=cubic_spline"}, true},
+        {"herschel_bulkley",
+         {"sph.fluid.water.yield_stress=7.3", "sph.fluid.water.consistency=3",
+          "sph.fluid.water.flow_index=0.35"},
+         true},
+    };
+    Speed two_pass;
+    for (const auto& kind : kinds) {
+        const Speed s = speed(dam_break(dx, kind.set), states, kind.two_pass, steps, 3);
+        print(kind.name, s);
+        tell(kind.name, s);
+        if (!std::strcmp(kind.name, "newtonian_two_pass")) two_pass = s;
     }
-    if (json) std::printf("}\n");
+    figures.push_back(key("sph.particles", double(two_pass.particles)));
+    figures.push_back(key("sph.wall_particles", double(two_pass.wall_records)));
+    figures.push_back(key("sph.neighbors_mean", two_pass.neighbors));
+    figures.push_back(key("sph.support_over_spacing", 2 * base.sph.smoothing_ratio));
+
+    if (cores > 1) {
+        omp_set_num_threads(2);
+        const Speed s = speed(base, states, true, steps, 5);
+        omp_set_num_threads(1);
+        print("newtonian_two_pass, 2 threads", s);
+        figures.push_back(key("sph.two_thread_speedup", s.wall / two_pass.wall));
+        // what two threads would gain on free cores if all of their time were work: without waiting
+        figures.push_back(key("sph.two_thread_cpu_efficiency", s.cpu / two_pass.cpu));
+        std::fprintf(stderr, "two threads: %.2f times the speed (wall), CPU efficiency %.2f\n",
+                     s.wall / two_pass.wall, s.cpu / two_pass.cpu);
+    }
+
+    Snapshot state = states[1];
+    double spacing = dx, bytes = bytes_per_particle(base, state);
+    const char* names[] = {"", "_216k", "_1728k"};
+    for (int size = 1; size < sizes; ++size) {
+        state = refine(state, spacing);
+        spacing *= 0.5;
+        const Case fine = dam_break(spacing);
+        const Speed s = speed(fine, {state}, true, size == 1 ? std::max(1, steps / 2) : 8, 2);
+        print(std::string("newtonian_two_pass") + names[size], s);
+        tell(std::string("newtonian_two_pass") + names[size], s);
+        bytes = bytes_per_particle(fine, state);
+    }
+    figures.push_back(key("sph.bytes_per_particle", bytes));
+    std::fprintf(stderr, "%.0f bytes per particle, walls' share included\n", bytes);
+
+    if (json) {
+        std::string text = "{";
+        for (const std::string& figure : figures) text += (text.size() > 1 ? ", " : "") + figure;
+        std::printf("%s}\n", text.c_str());
+    }
 }

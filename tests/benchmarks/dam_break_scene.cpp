@@ -1,0 +1,98 @@
+#include "dam_break_scene.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "case/case_file.hpp"
+#include "sph_solver/physics/stable_step.hpp"
+
+namespace undertow::benchmarks {
+
+using namespace sph;
+
+namespace {
+
+constexpr double depth = 0.3;  // [m] H of the case
+
+Snapshot state_of(const FluidSystem& fluid, double t) {
+    const Particles& p = fluid.particles;
+    return {t, p.x, p.y, p.z, p.vx, p.vy, p.vz, p.drho};
+}
+
+}  // namespace
+
+Case dam_break(double spacing, const std::vector<std::string>& set) {
+    CaseOptions options;
+    options.variants = {"rigid_wall"};
+    options.set = {"sph.spacing=" + std::to_string(spacing)};
+    options.set.insert(options.set.end(), set.begin(), set.end());
+    return read_case(UNDERTOW_CASES "/dam_break", options);
+}
+
+double step_size(const Case& input, const FluidSystem& fluid, const Health& health, bool two_pass) {
+    const double cfl = default_cfl(two_pass ? Integrator::two_pass : Integrator::one_pass,
+                                   input.sph.smoothing_ratio);
+    return stable_step({fluid.physics().h, fluid.largest_sound_speed(), health.max_speed,
+                        health.max_acceleration, health.max_kinematic_viscosity},
+                       cfl, input.sph.force_cfl)
+        .dt;
+}
+
+Health take_step(FluidSystem& fluid, Steps& s, bool two_pass) {
+    fluid.refresh_neighbors(s.t);
+    fluid.pack(s.t);
+    if (two_pass && s.before > 0) {
+        fluid.sum_over_neighbors(Terms::rate);
+        fluid.advance_density(s.before);
+        fluid.pack(s.t);
+    }
+    fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
+    fluid.add_wall_friction();
+    const Health health = fluid.kick_and_drift(s.dt, s.before, s.before_that, !two_pass);
+    s.before_that = s.before, s.before = s.dt, s.t += s.dt;
+    return health;
+}
+
+std::vector<Snapshot> develop(const Case& input, const std::vector<double>& t_star) {
+    FluidSystem fluid(input, 0.4);
+    std::vector<Snapshot> found;
+    Health health = fluid.health();
+    Steps steps;
+    for (const double star : t_star) {
+        const double until = star * std::sqrt(depth / 9.81);
+        while (steps.t < until) {
+            steps.dt = step_size(input, fluid, health, true);
+            health = take_step(fluid, steps, true);
+        }
+        found.push_back(state_of(fluid, steps.t));
+    }
+    return found;
+}
+
+Snapshot refine(const Snapshot& coarse, double spacing) {
+    Snapshot fine;
+    fine.t = coarse.t;
+    const double quarter = 0.25 * spacing;  // of the coarse case
+    for (std::size_t i = 0; i < coarse.x.size(); ++i)
+        for (int child = 0; child < 8; ++child) {
+            fine.x.push_back(coarse.x[i] + (child & 1 ? quarter : -quarter));
+            fine.y.push_back(coarse.y[i] + (child & 2 ? quarter : -quarter));
+            fine.z.push_back(coarse.z[i] + (child & 4 ? quarter : -quarter));
+            fine.vx.push_back(coarse.vx[i]);
+            fine.vy.push_back(coarse.vy[i]);
+            fine.vz.push_back(coarse.vz[i]);
+            fine.drho.push_back(coarse.drho[i]);
+        }
+    return fine;
+}
+
+void load(const Snapshot& state, FluidSystem& fluid) {
+    Particles& p = fluid.particles;
+    if (state.x.size() != p.size())
+        throw std::runtime_error("the state has another number of particles than the case");
+    p.x = state.x, p.y = state.y, p.z = state.z;
+    p.vx = state.vx, p.vy = state.vy, p.vz = state.vz;
+    p.drho = state.drho;
+}
+
+}  // namespace undertow::benchmarks

@@ -1,0 +1,134 @@
+"""The verification ladder: how rows are judged, how an order is found, and that a missed gate fails the command."""
+import contextlib
+import io
+import json
+import pathlib
+import shutil
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TOP / "scripts"))
+
+from undertow_tool.commands import main  # noqa: E402
+from undertow_tool.paths import BUILD  # noqa: E402
+from undertow_tool.verify.ladder import Rung  # noqa: E402
+from undertow_tool.verify.measured import Measured  # noqa: E402
+from undertow_tool.verify.order import observed_order  # noqa: E402
+from undertow_tool.verify.pages import row_state  # noqa: E402
+
+CASE = {"case": {"gravity": [0, 0, 0]}, "sph": {"spacing": 0.1, "plane": [], "plate": [], "fluid": [{"name": "water"}]},
+        "report": {"ladder": ["coarse", "fine"], "gates": {"speed": [0.2, 0.1], "drift": 0.1},
+                   "defects": {"drift": {"why": "it drifts", "at_most": [0.5, 0.3]}}}}
+
+
+def measured(folder, level="fine", **summary):
+    return Measured(folder, CASE, {"level": level, "sph": {"fluid": {"water": {"particle_mass_kg": 2.0}}}, **summary})
+
+
+def states(run):
+    return [row_state(row) for row in run.rows]
+
+
+class Judging(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="undertow-test-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def test_a_gate_belongs_to_its_level(self):
+        for level, state in (("coarse", "ok"), ("fine", "FAILS")):
+            run = measured(self.folder, level)
+            run.compare("speed", 1.15, 1.0)
+            self.assertEqual(states(run), [state])
+
+    def test_an_error_of_either_sign_counts(self):
+        run = measured(self.folder)
+        run.compare("speed", 0.85, 1.0)
+        run.residual("speed", -0.15)
+        self.assertEqual(states(run), ["FAILS", "FAILS"])
+
+    def test_a_value_that_is_not_finite_fails(self):
+        run = measured(self.folder)
+        run.compare("speed", float("nan"), 1.0)
+        run.residual("drift", float("nan"))
+        self.assertEqual(states(run), ["FAILS", "FAILS"])
+
+    def test_a_known_defect_may_not_grow(self):
+        run = measured(self.folder)
+        for value in (0.05, 0.25, 0.35):
+            run.residual("drift", value)
+        self.assertEqual(states(run), ["mended", "defect", "FAILS"])
+
+    def test_variants_and_overrides_are_not_judged(self):
+        for what in ({"variants": ["wider"]}, {"set": ["sph.cfl=1"]}):
+            run = measured(self.folder, **what)
+            run.compare("speed", 5.0, 1.0)
+            self.assertEqual(states(run), ["-"])
+
+    def test_momentum_that_nobody_gave_is_an_error(self):
+        with h5py.File(self.folder / "sph.vtkhdf", "w") as file:
+            file["VTKHDF/Steps/Values"] = [0.0, 1.0]
+            for step, speed in enumerate((1.0, 1.25)):
+                file[f"Views/{step:05d}/Points"] = np.zeros((2, 3))
+                file[f"Views/{step:05d}/PointData/velocity"] = [[speed, 0, 0], [0, 0, 0]]
+        # 2 kg x 0.25 m/s over the largest sum of m |v|, 2 kg x 1.25 m/s
+        self.assertAlmostEqual(measured(self.folder).momentum_error(), 0.2)
+
+    def test_the_observed_order_is_the_slope_of_the_errors(self):
+        rungs = [Rung("a", "", {"spacing": dx, "checks": [{"name": "e", "error": -3 * dx**2}]}) for dx in (0.1, 0.05, 0.025)]
+        rungs.append(Rung("b", "variant", {"spacing": 0.05, "checks": [{"name": "e", "error": 9.0}]}))
+        self.assertAlmostEqual(observed_order(rungs, "e"), 2.0)
+        self.assertIsNone(observed_order(rungs[:1], "e"))
+
+
+@unittest.skipUnless((BUILD / "bin" / "sph_solver").exists(), "sph_solver is not built")
+class TheCommand(unittest.TestCase):
+    """On a copy of the colliding drops, shortened."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="undertow-test-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        shutil.copytree(TOP / "cases" / "verify_sph" / "colliding_drops", self.folder / "drops")
+
+    def run_with(self, *changes):
+        case = self.folder / "drops" / "case.toml"
+        text = case.read_text()
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        case.write_text(text)
+        told = io.StringIO()
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+            code = main(["verify", str(self.folder / "drops"), "--level", "coarse", "--quick", "--out", str(self.folder / "out")])
+        return code, told.getvalue()
+
+    def test_a_kept_gate_ends_well_and_leaves_figures(self):
+        code, told = self.run_with()
+        self.assertEqual(code, 0, told)
+        figures = json.loads((self.folder / "out" / "drops.json").read_text())
+        self.assertTrue(figures["ok"])
+        self.assertGreater(figures["rungs"][0]["figures"]["cpu_s"], 0)
+
+    def test_a_missed_gate_fails(self):
+        code, told = self.run_with(('"linear momentum over sum m |v|" = 1e-07', '"linear momentum over sum m |v|" = 1e-15'))
+        self.assertEqual(code, 1, told)
+        self.assertIn("FAILS", told)
+
+    def test_a_run_that_ends_early_fails_with_its_last_words(self):
+        code, told = self.run_with(("[time]\n", "[time]\nmin_step = 1e-3\n"))   # twice the stable step
+        self.assertEqual(code, 1, told)
+        self.assertIn("sph_solver failed with exit code", told)
+
+    def test_an_unknown_name_lists_the_known_ones(self):
+        told = io.StringIO()
+        with contextlib.redirect_stderr(told):
+            self.assertEqual(main(["verify", "standing_wav"]), 2)
+        self.assertIn("standing_wave", told.getvalue())
+
+
+if __name__ == "__main__":
+    unittest.main()
