@@ -7,6 +7,7 @@
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/setup/fill.hpp"
+#include "sph_solver/physics/viscosity_plan.hpp"
 #include "sph_solver/physics/wall_friction.hpp"
 #include "wire/errors.hpp"
 
@@ -27,6 +28,10 @@ PairPhysics resolve_physics(const Case& input) {
     p.density_diffusion = input.sph.density_diffusion;
     p.gravity = input.info.gravity;
     p.fluids = resolve_fluids(input);
+    double c0 = 0;
+    for (const FluidLaw& f : p.fluids) c0 = std::max(c0, f.c0);
+    p.implicit_viscosity = plan_viscosity(input, c0, p.fluids);
+    p.viscous_form = input.sph.viscous_form;
     return p;
 }
 
@@ -48,6 +53,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain) {
+    if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
@@ -297,6 +303,7 @@ void FluidSystem::add_wall_friction() {
         const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
         if (!(u > 0)) continue;
         const FluidLaw& fluid = fluid_of(i);
+        if (fluid.resolves_walls) continue;
         const double height = std::max(z, 0.1 * spacing_);
         const LawOfTheWall law{fluid.rho0,
                                fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
@@ -343,6 +350,12 @@ void FluidSystem::advance_density(double dt) {
         // a switch to one pass would start from this rate
         particles.rate_before[i] = particles.drho_dt[i];
     }
+}
+
+void FluidSystem::take_viscosity(double t, double dt, double dt_before) {
+    if (implicit_)
+        implicit_->solve(physics_, neighbors_, mirror_, plates, t, 0.5 * (dt + dt_before),
+                         index_.size(), particles);
 }
 
 void FluidSystem::constrain_start(double t, double dt, double dt_before) {
@@ -413,6 +426,7 @@ Health FluidSystem::health() const {
 
 double FluidSystem::viscous_limit() const {
     double nu = 0;
+    if (implicit_) return nu;
     for (const FluidLaw& f : physics_.fluids) nu = std::max(nu, f.mu / f.rho0);
     if (particles.viscosity.empty()) return nu;
     double per_density[FluidTag::most];

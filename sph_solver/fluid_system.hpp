@@ -11,6 +11,7 @@
 #include "sph_solver/boundary/surface_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
+#include "sph_solver/physics/implicit_viscosity.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
 #include "sph_solver/setup/start.hpp"
 
@@ -51,6 +52,8 @@ class FluidSystem {
     void add_wall_friction();
     /// rho += dt * D (two-pass: D just summed).
     void advance_density(double dt);
+    /// Adds the viscous accelerations of an implicit update; without effect where they are in the sums.
+    void take_viscosity(double t, double dt, double dt_before);
     /// Damps what settles and drives what is held, see Start; without effect once all are let go.
     void constrain_start(double t, double dt, double dt_before);
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
@@ -92,6 +95,7 @@ class FluidSystem {
     std::int64_t put_back() const { return put_back_; }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
+    const std::optional<ImplicitViscosity>& implicit_viscosity() const { return implicit_; }
     const Start& start() const { return *start_; }
     Vec3 gravity() const { return physics_.gravity; }
 
@@ -117,6 +121,7 @@ class FluidSystem {
     bool with_surface_images_;
     std::optional<Box> domain_;
     std::optional<Start> start_;
+    std::optional<ImplicitViscosity> implicit_;
     struct Rubbing {
         int particle, plane;
     };

@@ -18,6 +18,8 @@ struct PairPhysics {
     double artificial_viscosity = 0;  // alpha
     double density_diffusion = 0;     // delta
     Vec3 gravity{};                   // [m/s2]
+    bool implicit_viscosity = false;  // the sums leave the viscous forces out
+    ViscousForm viscous_form = ViscousForm::laplacian;
     std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
 
     bool viscoplastic() const {
