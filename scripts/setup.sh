@@ -17,7 +17,7 @@ esac
 packages=(
     g++ cmake ninja-build
     libeigen3-dev libzmq3-dev cppzmq-dev libmsgpack-cxx-dev libhdf5-dev catch2 libcli11-dev
-    libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
+    libtomlplusplus-dev libmuparser-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
     python3 python3-numpy python3-h5py python3-matplotlib python3-zmq python3-msgpack python3-rich
     ffmpeg
 )

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "case/expression.hpp"
+
 namespace undertow {
 
 using Vec3 = std::array<double, 3>;
@@ -75,6 +77,9 @@ struct Fill {                            // [[sph.fill]] particles, cell-centere
     std::vector<std::array<double, 2>> profile{};// [m] polygon in x, z that cuts a prism out of the
                                          // box; empty = the whole box
     Vec3 velocity{};                     // [m/s]
+    std::vector<Expression> velocity_field{};   // [m/s] vx, vy, vz of x, y, z, where `velocity` holds
+                                         // formulas; empty = `velocity` everywhere
+    std::optional<Expression> pressure{};// [Pa] of x, y, z at the start; none = hydrostatic
     double ramp = 0;                     // [s] > 0: after start.settle the fill is moved as a block,
                                          // its speed rising smoothly from 0 to `velocity` in this
                                          // time, then let go where box and profile say; it starts
@@ -132,6 +137,8 @@ struct SphSettings {
     double max_speed = 0;                // [m/s] largest expected speed, for sound_speed = "auto";
                                          // 0 = estimated from the fills (2 sqrt(g H), |v|)
     std::optional<Box> domain;           // particles that leave are removed, counted and reported
+    std::vector<std::string> periodic;   // of "x", "y", "z": what leaves the domain there comes in on
+                                         // the other side; gravity along it drives the flow
     std::vector<Fluid> fluid;
     std::vector<Fill> fill;
     std::vector<Obstacle> obstacle;

@@ -15,6 +15,12 @@ Json number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+std::vector<std::string> texts(const std::vector<Expression>& formulas) {
+    std::vector<std::string> all;
+    for (const Expression& formula : formulas) all.push_back(formula.text());
+    return all;
+}
+
 const char* name(Kernel v) {
     return v == Kernel::cubic_spline  ? "cubic_spline"
            : v == Kernel::wendland_c2 ? "wendland_c2"
@@ -78,6 +84,8 @@ void to_json(Json& j, const Fill& v) {
          {"box", v.box},
          {"profile", v.profile},
          {"velocity", v.velocity},
+         {"velocity_field", texts(v.velocity_field)},
+         {"pressure", v.pressure ? Json(v.pressure->text()) : Json(nullptr)},
          {"ramp", v.ramp},
          {"surface_level", v.surface_level ? Json(*v.surface_level) : Json(nullptr)}};
 }
@@ -118,6 +126,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"force_cfl", v.force_cfl},
          {"max_speed", v.max_speed},
          {"domain", v.domain ? Json(*v.domain) : Json(nullptr)},
+         {"periodic", v.periodic},
          {"fluid", v.fluid},
          {"fill", v.fill},
          {"obstacle", v.obstacle},

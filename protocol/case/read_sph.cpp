@@ -81,12 +81,20 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
     reader.box("box", fill.box, axes_of(info));
     require_one_spacing(reader, fill.box, sph.spacing, info);
     reader.polygon("profile", fill.profile);
-    reader.vector("velocity", fill.velocity, "m/s");
+    reader.vector("velocity", fill.velocity, fill.velocity_field, "xyz", "m/s");
     require_in_plane(reader, "velocity", fill.velocity, info);
+    if (info.dimension == 2 && !fill.velocity_field.empty() && fill.velocity_field[1].text() != "0")
+        reader.reject("velocity", "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
+    reader.formula("pressure", fill.pressure, "xyz", "Pa");
     reader.number("ramp", fill.ramp, at_least(0, "s"));
+    if (fill.ramp > 0 && !fill.velocity_field.empty())
+        reader.reject("ramp", "is not allowed beside formulas: a block moves as one, give velocity "
+                              "as three numbers.");
     double level = 0;
     reader.number("surface_level", level, any("m"));
     if (reader.has("surface_level")) fill.surface_level = level;
+    if (fill.pressure && fill.surface_level)
+        reader.reject("surface_level", "is one pressure too many: `pressure` gives it already.");
     if (!sph.domain || !reader.has("box")) return;
     for (const char axis : axes_of(info)) {
         const auto k = static_cast<std::size_t>(axis - 'x');
@@ -209,6 +217,11 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     Box domain;
     reader.box("domain", domain, axes_of(info));
     if (reader.has_table("domain")) sph.domain = domain;
+    reader.words("periodic", sph.periodic,
+                 info.dimension == 2 ? std::vector<std::string>{"x", "z"}
+                                     : std::vector<std::string>{"x", "y", "z"});
+    if (!sph.periodic.empty() && !sph.domain)
+        reader.reject("periodic", "needs sph.domain, whose extent is the period.");
 
     reader.tables("fluid",
                   [&](TableReader& entry) { read_fluid(entry, sph.fluid.emplace_back()); });

@@ -126,6 +126,38 @@ void TableReader::vector(const std::string& key, Vec3& target, const char* unit)
     for (std::size_t axis = 0; axis < 3; ++axis) target[axis] = node->items[axis].number;
 }
 
+Expression TableReader::formula_of(const Node& item, const std::string& name,
+                                   const std::string& variables, const char* unit) const {
+    const std::string origin = item.place + ": " + (path_.empty() ? "" : path_ + ".") + name;
+    if (item.is(Node::Kind::text)) return Expression(item.text, variables, origin);
+    if (!is_number(item) || !std::isfinite(item.number))
+        throw InputError(origin + " = " + value_text(item) + " is " + kind_name(item) +
+                         ": a finite number or a formula in quotes" + (*unit ? " in " : "") + unit +
+                         " is expected.");
+    return Expression(number_text(item.number, 17), variables, origin);
+}
+
+void TableReader::formula(const std::string& key, std::optional<Expression>& target,
+                          const std::string& variables, const char* unit) {
+    if (const Node* node = find(key)) target = formula_of(*node, key, variables, unit);
+}
+
+void TableReader::vector(const std::string& key, Vec3& target, std::vector<Expression>& formulas,
+                         const std::string& variables, const char* unit) {
+    formulas.clear();
+    const Node* node = table_.find(key);
+    const bool any_text = node && node->is(Node::Kind::array) && node->items.size() == 3 &&
+                          std::any_of(node->items.begin(), node->items.end(), [](const Node& item) {
+                              return item.is(Node::Kind::text);
+                          });
+    if (!any_text) return vector(key, target, unit);
+    find(key);
+    target = {};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        formulas.push_back(formula_of(node->items[axis], key + "[" + std::to_string(axis) + "]",
+                                      variables, unit));
+}
+
 void TableReader::direction(const std::string& key, Vec3& target) {
     vector(key, target, "");
     const double length = std::hypot(target[0], target[1], target[2]);

@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +52,13 @@ class TableReader {
     void flag(const std::string& key, bool& target);
     void text(const std::string& key, std::string& target);
     void vector(const std::string& key, Vec3& target, const char* unit);
+    /// A formula of `variables` (of "xyzt"), or a number, which is one too.
+    void formula(const std::string& key, std::optional<Expression>& target,
+                 const std::string& variables, const char* unit);
+    /// As vector(), but its components may be formulas: then `formulas` gets all three and `target`
+    /// is 0, otherwise `formulas` stays empty.
+    void vector(const std::string& key, Vec3& target, std::vector<Expression>& formulas,
+                const std::string& variables, const char* unit);
     /// A direction: normalized, not zero.
     void direction(const std::string& key, Vec3& target);
     void divisions(const std::string& key, std::array<int, 3>& target);
@@ -81,6 +89,8 @@ class TableReader {
 
  private:
     const Node* find(const std::string& key);   // marks the key as known; `false` tables are absent
+    Expression formula_of(const Node& item, const std::string& name, const std::string& variables,
+                          const char* unit) const;
     std::string sub_path(const Node& item, const std::string& key, std::size_t index) const;
 
     const Node& table_;

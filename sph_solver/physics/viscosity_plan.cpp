@@ -67,8 +67,13 @@ bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
         ratio = std::max(ratio, (law.viscoplastic() && given > 0 ? given : wanted[k]) / free);
     }
     const ViscositySolver choice = input.sph.viscosity_solver;
-    const bool implicit = choice == ViscositySolver::implicit ||
-                          (choice == ViscositySolver::automatic && ratio > implicit_from);
+    const bool strain = input.sph.viscous_form == ViscousForm::strain;
+    if (strain && choice == ViscositySolver::explicit_sums)
+        throw InputError(input.file + ": sph.viscous_form = \"strain\" is not in the explicit sums: "
+                         "leave sph.viscosity_solver at \"auto\" or set \"implicit\".");
+    const bool implicit =
+        choice == ViscositySolver::implicit ||
+        (choice == ViscositySolver::automatic && (strain || ratio > implicit_from));
     const double speed = speed_of_flow(input, c0), first = 0.5 * input.sph.spacing;
     for (std::size_t k = 0; k < laws.size(); ++k) {
         FluidLaw& law = laws[k];

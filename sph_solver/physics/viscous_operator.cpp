@@ -1,6 +1,7 @@
 #include "sph_solver/physics/viscous_operator.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/physics/pair_terms.hpp"
@@ -77,9 +78,10 @@ float8 sum_weights(const Target& i, const Packed* records, const int* at, const 
 
 /// 2 scale, and for the strain form times d + 2.
 double pair_scale(const PairPhysics& p) {
-    const double scale = p.kernel == Kernel::wendland_c2 ? WendlandC2(p.h, p.dimension).scale()
-                                                         : CubicSpline(p.h, p.dimension).scale();
-    return 2 * scale * (p.viscous_form == ViscousForm::strain ? p.dimension + 2 : 1);
+    const double scale =
+        with_kernel(p.kernel, p.h, p.dimension, [](const auto& kernel) { return kernel.scale(); });
+    return 2 * scale / p.lattice_moment *
+           (p.viscous_form == ViscousForm::strain ? p.dimension + 2 : 1);
 }
 
 }  // namespace
@@ -92,7 +94,7 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
     const int n = neighbors.fluid_count(), records = static_cast<int>(records_.size());
     const std::vector<Extra>& extras = neighbors.extras();
     const std::vector<float>& viscosity = neighbors.viscosity();
-    wall_.resize(extras.size());
+    image_.resize(extras.size(), ViscousImage(mirror, 0, false));
     mass_.resize((n + lanes - 1) / lanes * lanes, 1.0f);
     part_.resize(neighbors.fluid_lists().clusters());
 #pragma omp parallel for schedule(static)
@@ -109,26 +111,14 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
             mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
             continue;
         }
-        Wall& wall = wall_[j - n];
-        wall = {0, 0, 0, 1, e->mask};
-        if (e->from_plate) {
-            const int owner = plates.plate[e->source];
-            const bool sticks = plates.walls[owner].slip == Slip::no_slip;
-            // u_i - (2 v_w - u_i): twice the weight against the wall's velocity
-            q.volume *= sticks ? 2.0f : 0.0f;
-            const Vec3 v = plates.velocity(owner, t);
-            wall = {float(v[0]), float(v[1]), float(v[2]), 0, e->mask};
-            continue;
-        }
-        if (!fluid.resolves_walls) continue;
-        Vec3 c{};
-        for (int k = 0; k < mirror.size(); ++k) {
-            if (!(e->mask >> k & 1) || mirror.plane(k).slip != Slip::no_slip) continue;
-            for (int a = 0; a < 3; ++a) c[a] = 2 * mirror.plane(k).velocity[a] - c[a];
-            wall.sign = -wall.sign;
-            wall.mirrored &= ~(PlaneMask(1) << k);
-        }
-        wall.vx = float(c[0]), wall.vy = float(c[1]), wall.vz = float(c[2]);
+        ViscousImage& image = image_[j - n];
+        image = ViscousImage(mirror, e->mask, !e->from_plate && fluid.resolves_walls);
+        if (!e->from_plate) continue;
+        const int owner = plates.plate[e->source];
+        // u_i - (2 v_w - u_i): twice the weight against the wall's velocity
+        q.volume *= plates.walls[owner].slip == Slip::no_slip ? 2.0f : 0.0f;
+        const Vec3 v = plates.velocity(owner, t);
+        for (int a = 0; a < 3; ++a) image.wall[a] = static_cast<float>(v[a]);
     }
 }
 
@@ -144,11 +134,11 @@ void ViscousOperator::pack(const Field3& u, Walls walls) {
             continue;
         }
         const Extra& e = extras[j - n];
-        const Wall& wall = wall_[j - n];
-        q.vx = moving * wall.vx, q.vy = moving * wall.vy, q.vz = moving * wall.vz;
+        const ViscousImage& image = image_[j - n];
+        q.vx = moving * image.wall[0], q.vy = moving * image.wall[1], q.vz = moving * image.wall[2];
         if (e.from_plate) continue;
-        const auto& m = mirror_->reflection(wall.mirrored).m;
-        const float s = wall.sign, x = u.x[e.source], y = u.y[e.source], z = u.z[e.source];
+        const auto& m = mirror_->reflection(image.mirrored).m;
+        const float s = image.sign, x = u.x[e.source], y = u.y[e.source], z = u.z[e.source];
         q.vx += s * (float(m[0][0]) * x + float(m[0][1]) * y + float(m[0][2]) * z);
         q.vy += s * (float(m[1][0]) * x + float(m[1][1]) * y + float(m[1][2]) * z);
         q.vz += s * (float(m[2][0]) * x + float(m[2][1]) * y + float(m[2][2]) * z);
@@ -194,11 +184,11 @@ double ViscousOperator::apply(const Field3& u, Walls walls, double mass_factor, 
                               Field3& out) {
     pack(u, walls);
     const bool strain = physics_->viscous_form == ViscousForm::strain;
-    if (physics_->kernel == Kernel::wendland_c2)
-        return strain ? apply_as<WendlandC2, ViscousForm::strain>(u, mass_factor, dt, out)
-                      : apply_as<WendlandC2, ViscousForm::laplacian>(u, mass_factor, dt, out);
-    return strain ? apply_as<CubicSpline, ViscousForm::strain>(u, mass_factor, dt, out)
-                  : apply_as<CubicSpline, ViscousForm::laplacian>(u, mass_factor, dt, out);
+    return with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& kernel) {
+        using Law = std::decay_t<decltype(kernel)>;
+        return strain ? apply_as<Law, ViscousForm::strain>(u, mass_factor, dt, out)
+                      : apply_as<Law, ViscousForm::laplacian>(u, mass_factor, dt, out);
+    });
 }
 
 void ViscousOperator::diagonal(double dt, std::vector<float>& out) {
@@ -214,12 +204,11 @@ void ViscousOperator::diagonal(double dt, std::vector<float>& out) {
     over_clusters([&](int cluster) {
         const int first = cluster * lanes;
         const Target i = load_target(records_.data(), first, n);
-        const auto sum = [&](auto law) {
-            return sum_weights<decltype(law)>(i, records_.data(), lists.begin(cluster),
-                                              lists.end(cluster), inverse_h, tiny);
-        };
-        const float8 w = physics_->kernel == Kernel::wendland_c2 ? sum(WendlandC2(1, 2))
-                                                                 : sum(CubicSpline(1, 2));
+        const float8 w =
+            with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& law) {
+                return sum_weights<std::decay_t<decltype(law)>>(
+                    i, records_.data(), lists.begin(cluster), lists.end(cluster), inverse_h, tiny);
+            });
         store(&out[first], load(&mass_[first]) + to_force * i.volume * w);
         return 0.0;
     });

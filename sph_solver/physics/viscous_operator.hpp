@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sph_solver/boundary/mirror_planes.hpp"
+#include "sph_solver/boundary/no_slip_images.hpp"
 #include "sph_solver/boundary/plates.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
 #include "sph_solver/simd.hpp"
@@ -55,12 +55,7 @@ class ViscousOperator {
     const Neighborhood* neighbors_ = nullptr;
     const MirrorPlanes* mirror_ = nullptr;
     std::vector<Packed> records_;        // velocity: of u; p: viscosity [Pa s]
-    struct Wall {
-        float vx, vy, vz;                // what is added to the image's velocity [m/s]
-        float sign;                      // -1: no-slip, the image moves against its source
-        PlaneMask mirrored;              // the planes that only turn the normal part over
-    };
-    std::vector<Wall> wall_;             // [extras]
+    std::vector<ViscousImage> image_;    // [extras]
     std::vector<float> mass_;            // [particles], padded
     std::vector<double> part_;           // [clusters]
 };

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/setup/fill_plan.hpp"
 #include "wire/errors.hpp"
 
@@ -13,7 +14,7 @@ namespace undertow::sph {
 Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     const double dx = input.sph.spacing;
     const bool flat = input.info.dimension == 2;
-    const double g = std::max(0.0, -input.info.gravity[2]);
+    const double g = std::max(0.0, -balanced_gravity(input)[2]);
     const FillPlan plan(input);
     std::vector<double> density;
     for (const FluidLaw& f : fluids) density.push_back(f.rho0);
@@ -49,13 +50,14 @@ Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
                            flat ? 0 : f.box.min[1] + (first[1] + iy + 0.5) * dx,
                            f.box.min[2] + (first[2] + iz + 0.5) * dx};
                     if (plan.owner(x) != static_cast<int>(k)) continue;
-                    const double pressure = plan.pressure_at(x, density, g);
+                    const double pressure = f.pressure ? (*f.pressure)(x[0], x[1], x[2])
+                                                       : plan.pressure_at(x, density, g);
                     if (!plan.clear_obstacles(x)) continue;
-                    const bool at_once = f.ramp == 0;
+                    const Vec3 v = start_velocity(f, x);
                     particles.x[i] = x[0], particles.y[i] = x[1], particles.z[i] = x[2];
-                    particles.vx[i] = at_once ? f.velocity[0] : 0;
-                    particles.vy[i] = at_once && !flat ? f.velocity[1] : 0;
-                    particles.vz[i] = at_once ? f.velocity[2] : 0;
+                    particles.vx[i] = v[0];
+                    particles.vy[i] = flat ? 0 : v[1];
+                    particles.vz[i] = v[2];
                     particles.drho[i] = fluid.deviation_at(pressure);
                     particles.fluid[i] = static_cast<std::uint8_t>(plan.fluid(static_cast<int>(k)));
                     particles.id[i] = static_cast<std::int64_t>(i);

@@ -79,6 +79,14 @@ Vec3 ramp_distance(const Fill& fill) {
     return d;
 }
 
+Vec3 start_velocity(const Fill& fill, const Vec3& x) {
+    if (fill.ramp > 0) return {};
+    if (fill.velocity_field.empty()) return fill.velocity;
+    Vec3 v;
+    for (int a = 0; a < 3; ++a) v[a] = fill.velocity_field[a](x[0], x[1], x[2]);
+    return v;
+}
+
 FillPlan::FillPlan(const Case& input) : sph_(input.sph), flat_(input.info.dimension == 2) {
     for (const Fill& fill : sph_.fill) {
         behind_.push_back(ramp_distance(fill));

@@ -12,6 +12,9 @@ namespace undertow::sph {
 /// go. A speed that rises as v (3 s^2 - 2 s^3) covers v ramp/2.   [m]
 Vec3 ramp_distance(const Fill& fill);
 
+/// Velocity at x [m] when the run begins: a block with a ramp stands still.   [m/s]
+Vec3 start_velocity(const Fill& fill, const Vec3& x);
+
 class FillPlan {
  public:
     explicit FillPlan(const Case& input);

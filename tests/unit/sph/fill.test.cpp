@@ -141,3 +141,20 @@ TEST_CASE("a held block stands still, follows its ramp and arrives where the cas
     CHECK(p.vx[mud] == Approx(5).epsilon(1e-3));
     CHECK_FALSE(start.active(t + 1e-9));
 }
+
+TEST_CASE("a fill starts with the velocity and the pressure that its formulas give") {
+    Case c = scene();
+    c.sph.fill.pop_back();
+    for (const char* text : {"2*z", "0", "-x"})
+        c.sph.fill[0].velocity_field.emplace_back(text, "xyz", "scene");
+    c.sph.fill[0].pressure.emplace("100*sin(x)", "xyz", "scene");
+    const std::vector<FluidLaw> fluids = laws(c);
+    const Particles p = fill_particles(c, fluids).particles;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        REQUIRE(p.vx[i] == 2 * p.z[i]);
+        REQUIRE(p.vz[i] == -p.x[i]);
+        // to 1e-14 of the density, where the inversion of the equation of state ends
+        REQUIRE(fluids[p.fluid[i]].pressure(p.drho[i], 0) ==
+                Approx(100 * std::sin(p.x[i])).margin(1e-6));
+    }
+}
