@@ -93,7 +93,8 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
     records_ = neighbors.records();
     const int n = neighbors.fluid_count(), records = static_cast<int>(records_.size());
     const std::vector<Extra>& extras = neighbors.extras();
-    const std::vector<float>& viscosity = neighbors.viscosity();
+    // of the shear rates just found: the packed ones are a step older
+    const std::vector<float>& viscosity = particles.viscosity;
     image_.resize(extras.size(), ViscousImage(mirror, 0, false));
     mass_.resize((n + lanes - 1) / lanes * lanes, 1.0f);
     part_.resize(neighbors.fluid_lists().clusters());
@@ -106,7 +107,11 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
                                                         : particles.fluid[e->source])
                                        : particles.fluid[j];
         const FluidLaw& fluid = physics.fluids[own];
-        q.p = viscosity.empty() ? static_cast<float>(fluid.mu) : viscosity[j];
+        if (viscosity.empty())
+            q.p = static_cast<float>(fluid.mu);
+        else
+            q.p = !extra ? viscosity[j]
+                         : e->from_plate ? plates.viscosity[e->source] : viscosity[e->source];
         if (!extra) {
             mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
             continue;
