@@ -351,6 +351,8 @@ Vec3 FluidSystem::contact_velocity(int i) const {
 void FluidSystem::sum_over_neighbors(Terms terms) {
     if (terms != Terms::rate && !no_slip_.empty()) no_slip_.pack(neighbors_, mirror_);
     undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, terms, particles);
+    if (terms != Terms::rate)
+        no_slip_.take_wall_viscosity(physics_.fluids, mirror_, spacing_, particles);
     if (!surface_.placed()) return;
     if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_);
     surface_.add(physics_, neighbors_, terms, particles);

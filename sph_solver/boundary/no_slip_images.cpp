@@ -1,5 +1,9 @@
 #include "sph_solver/boundary/no_slip_images.hpp"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
 namespace undertow::sph {
 
 void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirror,
@@ -18,8 +22,10 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
         const FluidLaw& fluid = fluids[particles.fluid[extras[e].source]];
         if (!fluid.resolves_walls) continue;
         image_of_[e] = static_cast<int>(images_.size());
+        const PlaneMask held = extras[e].mask & holding;
         images_.push_back({n + static_cast<int>(e), extras[e].source,
-                           ViscousImage(mirror, extras[e].mask, true)});
+                           ViscousImage(mirror, extras[e].mask, true),
+                           std::has_single_bit(held) ? std::countr_zero(held) : -1});
     }
     change_.resize(images_.size());
     if (images_.empty()) return;
@@ -48,6 +54,27 @@ void NoSlipImages::pack(const Neighborhood& neighbors, const MirrorPlanes& mirro
                                            static_cast<float>(m[a][1]) * v[1] +
                                            static_cast<float>(m[a][2]) * v[2]);
         change_[k] = {shown[0] - free.vx, shown[1] - free.vy, shown[2] - free.vz};
+    }
+}
+
+void NoSlipImages::take_wall_viscosity(const std::vector<FluidLaw>& fluids,
+                                       const MirrorPlanes& mirror, double spacing,
+                                       Particles& particles) const {
+    Particles& s = particles;
+    if (s.viscosity.empty()) return;
+    for (const Image& image : images_) {
+        const int i = image.source;
+        const FluidLaw& fluid = fluids[s.fluid[i]];
+        if (image.plane < 0 || !fluid.viscoplastic()) continue;
+        const double z = mirror.distance(image.plane, s.x[i], s.y[i], s.z[i]);
+        if (z >= spacing) continue;
+        const PlaneWall& wall = mirror.plane(image.plane);
+        const Vec3& n = wall.normal;
+        Vec3 u{s.vx[i] - wall.velocity[0], s.vy[i] - wall.velocity[1], s.vz[i] - wall.velocity[2]};
+        const double across = u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
+        for (int a = 0; a < 3; ++a) u[a] -= across * n[a];
+        const double rate = std::hypot(u[0], u[1], u[2]) / std::max(z, 0.25 * spacing);
+        s.viscosity[i] = fluid.rheology(static_cast<float>(rate));
     }
 }
 

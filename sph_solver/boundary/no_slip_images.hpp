@@ -42,6 +42,12 @@ class NoSlipImages {
               const std::vector<FluidLaw>& fluids, const Particles& particles);
     /// Their velocities; after each packing of the fluid's.
     void pack(const Neighborhood& neighbors, const MirrorPlanes& mirror);
+    /// Viscoplastic fluids: the first layer, z < dx, gets the viscosity of the shear rate u/z between
+    /// itself and the wall, so that its pair with its own image carries the law's stress at the wall.
+    /// The summed rate is that of z = 5/8 dx: stresses at the wall 5 % too high for n = 0.23 at 40
+    /// particles across a channel. After each sum of forces.
+    void take_wall_viscosity(const std::vector<FluidLaw>& fluids, const MirrorPlanes& mirror,
+                             double spacing, Particles& particles) const;
 
     bool empty() const { return images_.empty(); }
     /// Of a cluster: records of its list that are such images, and their entries of change().
@@ -59,6 +65,7 @@ class NoSlipImages {
     struct Image {
         int record, source;
         ViscousImage shown;
+        int plane;         // the no-slip plane, -1 in the corner of two
     };
     std::vector<Image> images_;
     std::vector<Change> change_;   // [images]

@@ -111,7 +111,8 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
             q.p = static_cast<float>(fluid.mu);
         else
             q.p = !extra ? viscosity[j]
-                         : e->from_plate ? plates.viscosity[e->source] : viscosity[e->source];
+                  : e->from_plate ? plates.viscosity[e->source]
+                                     : viscosity[e->source];
         if (!extra) {
             mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
             continue;

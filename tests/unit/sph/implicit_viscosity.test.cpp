@@ -61,19 +61,6 @@ struct Vortices {
     }
 };
 
-void step(FluidSystem& fluid, double& t, double dt, double before) {
-    fluid.refresh_neighbors(t);
-    fluid.pack(t);
-    fluid.sum_over_neighbors(Terms::rate);
-    fluid.advance_density(before);
-    fluid.pack(t);
-    fluid.sum_over_neighbors(Terms::force);
-    fluid.add_wall_friction();
-    fluid.take_viscosity(t, dt, before);
-    fluid.kick_and_drift(dt, before, 0, false);
-    t += dt;
-}
-
 }  // namespace
 
 TEST_CASE("vortices decay by exp(-2 nu k^2 t) at 1, 10 and 100 times the explicit limit") {
@@ -85,7 +72,7 @@ TEST_CASE("vortices decay by exp(-2 nu k^2 t) at 1, 10 and 100 times the explici
     double t = 0, before = 0;
     int n = 0;
     while (t < end) {
-        step(of.fluid, t, of.dt, before);
+        scenes::two_pass_step(of.fluid, t, of.dt, before);
         before = of.dt;
         ++n;
     }
@@ -94,9 +81,112 @@ TEST_CASE("vortices decay by exp(-2 nu k^2 t) at 1, 10 and 100 times the explici
     const double exact = z * (n - 0.5);
     const double euler = std::log1p(z) * (n - 1) + std::log1p(0.5 * z);
     const ImplicitFigures& f = of.fluid.implicit_viscosity()->figures();
-    WARN("ratio " << ratio << (form == ViscousForm::strain ? " strain" : " laplacian") << ": " << n << " steps, exponent/exact " << exponent / exact
-                           << ", /backward Euler's " << exponent / euler << ", iterations "
-                           << double(f.iterations) / double(f.steps));
-    CHECK(exponent == Approx(euler).epsilon(0.01));
+    INFO(n << " steps, exponent over exact " << exponent / exact << ", over backward Euler's "
+           << exponent / euler << ", iterations " << double(f.iterations) / double(f.steps));
+    // Morris' Laplacian on a lattice: 0.3 % in space, and backward Euler's error in time: (1 - z/2), 12 %
+    // at ratio 100 where z = 0.35. The strain form knows the lattice: 11 % along its axes.
+    CHECK(exponent == Approx(euler).epsilon(form == ViscousForm::laplacian ? 0.01 : 0.12));
+    CHECK(exponent == Approx(exact).epsilon(0.01 + 0.5 * z +
+                                            (form == ViscousForm::laplacian ? 0 : 0.11)));
+    CHECK(f.not_converged == 0);
+}
 
+namespace {
+
+/// A stiff drop without weight, random velocities of 0.1 m/s.
+FluidSystem stiff_drop(int dimension, ViscousForm form, double tolerance) {
+    Case input = scenes::two_layers(0.01, {0.1, 0.1, 0.1}, 0.05, true, dimension);
+    input.info.gravity = {0, 0, 0};
+    input.sph.max_speed = 1;
+    input.sph.fluid[1].yield_stress = 500;
+    input.sph.viscosity_solver = ViscositySolver::implicit;
+    input.sph.viscosity_tolerance = tolerance;
+    input.sph.viscous_form = form;
+    FluidSystem fluid(input, 0.4);
+    scenes::disturb(fluid, 0.1, 0.1, 0);
+    fluid.refresh_neighbors(0);
+    fluid.pack(0);
+    fluid.sum_over_neighbors(Terms::force);
+    return fluid;
+}
+
+}  // namespace
+
+TEST_CASE("the implicit update conserves momentum to round-off, however loose its tolerance") {
+    const int dimension = GENERATE(2, 3);
+    const ViscousForm form = GENERATE(ViscousForm::laplacian, ViscousForm::strain);
+    FluidSystem fluid = stiff_drop(dimension, form, 0.1);
+    fluid.take_viscosity(0, 1e-4, 1e-4);
+    const Particles& p = fluid.particles;
+    double sum[3] = {0, 0, 0}, size = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        const double m = fluid.fluid_of(i).mass;
+        sum[0] += m * p.ax[i], sum[1] += m * p.ay[i], sum[2] += m * p.az[i];
+        size += m * (std::abs(p.ax[i]) + std::abs(p.ay[i]) + std::abs(p.az[i]));
+    }
+    CHECK(fluid.implicit_viscosity()->figures().iterations > 0);
+    for (const double s : sum) CHECK(std::abs(s) < 2e-6 * size);   // float32 sums, as for pairs
+}
+
+TEST_CASE("the implicit update has the same bits for one thread and for two") {
+    std::vector<float> found[2];
+    for (int k = 0; k < 2; ++k) {
+        omp_set_num_threads(k + 1);
+        FluidSystem fluid = stiff_drop(3, ViscousForm::strain, 1e-4);
+        fluid.take_viscosity(0, 1e-4, 1e-4);
+        found[k] = fluid.particles.ax;
+    }
+    CHECK(found[0] == found[1]);
+}
+
+TEST_CASE("a stiff body goes on turning in the strain form, and is stopped by the laplacian") {
+    Case input = scenes::water_box(0.01, {0.2, 0.01, 0.2}, 2);
+    input.info.gravity = {0, 0, 0};
+    input.sph.max_speed = 1;
+    input.sph.fluid[0].viscosity = 1e4;   // [Pa s]: a shear wave passes in 1e-4 s
+    input.sph.viscosity_solver = ViscositySolver::implicit;
+    input.sph.artificial_viscosity = 0;
+    const ViscousForm form = GENERATE(ViscousForm::laplacian, ViscousForm::strain);
+    input.sph.viscous_form = form;
+    FluidSystem fluid(input, 0.4);
+    const double omega = 0.1;   // [1/s]
+    Particles& p = fluid.particles;
+    for (std::size_t i = 0; i < p.size(); ++i)
+        p.vx[i] = -omega * (p.z[i] - 0.1), p.vz[i] = omega * (p.x[i] - 0.1);
+    double t = 0, before = 0;
+    for (int n = 0; n < 100; ++n) {
+        scenes::two_pass_step(fluid, t, 5e-4, before);
+        before = 5e-4;
+    }
+    double turning = 0, inertia = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        const double x = p.x[i] - 0.1, z = p.z[i] - 0.1;
+        turning += p.vz[i] * x - p.vx[i] * z, inertia += x * x + z * z;
+    }
+    INFO("turns at " << turning / inertia);
+    if (form == ViscousForm::strain)
+        CHECK(turning / inertia == Approx(omega).epsilon(0.01));
+    else
+        CHECK(turning / inertia < 0.1 * omega);
+}
+
+TEST_CASE("auto takes the implicit update where the explicit one would need a tenth of the step") {
+    Case input = scenes::two_layers(0.01, {0.3, 0.3, 0.3}, 0.15, true);
+    CHECK_FALSE(FluidSystem(scenes::water_box(0.01, {0.1, 0.1, 0.1}), 0.4).implicit_viscosity());
+    input.sph.fluid[1].yield_stress = 500;
+    input.sph.fluid[1].consistency = 429.74, input.sph.fluid[1].flow_index = 0.23;
+    FluidSystem stiff(input, 0.4);
+    REQUIRE(stiff.implicit_viscosity());
+    // what is at yield creeps at a thousandth of the flow's own shear rate
+    const double slow =
+        creep_share * shear_rate_of_flow(input, stiff.largest_sound_speed());
+    CHECK(stiff.fluid(1).rheology(float(slow)) * slow > 0.6 * 500);
+    // and no step is shortened by it
+    CHECK(stiff.health().max_kinematic_viscosity == 0);
+    input.sph.viscosity_solver = ViscositySolver::explicit_sums;
+    FluidSystem capped(input, 0.4);
+    CHECK_FALSE(capped.implicit_viscosity());
+    CHECK(capped.fluid(1).rheology.max_viscosity < 0.1 * stiff.fluid(1).rheology.max_viscosity);
+    input.sph.viscous_form = ViscousForm::strain;
+    CHECK_THROWS_WITH(FluidSystem(input, 0.4), Catch::Contains("\"strain\" is not in the explicit"));
 }
