@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/kernels/lattice_moment.hpp"
 #include "sph_solver/setup/fill.hpp"
+#include "sph_solver/physics/viscosity_plan.hpp"
 #include "sph_solver/physics/wall_friction.hpp"
 #include "wire/errors.hpp"
 
@@ -30,6 +32,12 @@ PairPhysics resolve_physics(const Case& input) {
     p.density_diffusion = input.sph.density_diffusion;
     p.gravity = balanced_gravity(input);
     p.fluids = resolve_fluids(input);
+    double c0 = 0;
+    for (const FluidLaw& f : p.fluids) c0 = std::max(c0, f.c0);
+    p.implicit_viscosity = plan_viscosity(input, c0, p.fluids);
+    p.lattice_moment =
+        lattice_moment(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
+    p.viscous_form = input.sph.viscous_form;
     return p;
 }
 
@@ -55,6 +63,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       domain_(input.sph.domain),
       openings_(input, physics_),
       absorbing_(input, physics_) {
+    if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
@@ -135,6 +144,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
     find_near_planes();
+    no_slip_.find(neighbors_, mirror_, physics_.fluids, particles);
     surface_.expire();
     reach_ = plate_reach_ = 0;
     ++rebuilds_;
@@ -364,6 +374,7 @@ void FluidSystem::add_wall_friction() {
         const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
         if (!(u > 0)) continue;
         const FluidLaw& fluid = fluid_of(i);
+        if (fluid.resolves_walls) continue;
         const double height = std::max(z, 0.1 * spacing_);
         const LawOfTheWall law{fluid.rho0,
                                fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
@@ -402,7 +413,10 @@ Vec3 FluidSystem::contact_velocity(int i) const {
 }
 
 void FluidSystem::sum_over_neighbors(Terms terms) {
-    undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
+    if (terms != Terms::rate && !no_slip_.empty()) no_slip_.pack(neighbors_, mirror_);
+    undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, terms, particles);
+    if (terms != Terms::rate)
+        no_slip_.take_wall_viscosity(physics_.fluids, mirror_, spacing_, particles);
     if (!surface_.placed()) return;
     if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_);
     surface_.add(physics_, neighbors_, terms, particles);
@@ -422,6 +436,12 @@ void FluidSystem::advance_density(double dt) {
         // a switch to one pass would start from this rate
         particles.rate_before[i] = particles.drho_dt[i];
     }
+}
+
+void FluidSystem::take_viscosity(double t, double dt, double dt_before) {
+    if (implicit_)
+        implicit_->solve(physics_, neighbors_, mirror_, plates, t, 0.5 * (dt + dt_before),
+                         gravity_, index_.size(), particles);
 }
 
 void FluidSystem::constrain_start(double t, double dt, double dt_before) {
@@ -494,6 +514,7 @@ Health FluidSystem::health() const {
 
 double FluidSystem::viscous_limit() const {
     double nu = 0;
+    if (implicit_) return nu;
     for (const FluidLaw& f : physics_.fluids) nu = std::max(nu, f.mu / f.rho0);
     if (particles.viscosity.empty()) return nu;
     double per_density[FluidTag::most];

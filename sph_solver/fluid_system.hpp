@@ -14,6 +14,7 @@
 #include "sph_solver/boundary/surface_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
+#include "sph_solver/physics/implicit_viscosity.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
 #include "sph_solver/setup/start.hpp"
 
@@ -62,6 +63,8 @@ class FluidSystem {
     void add_wall_friction();
     /// rho += dt * D (two-pass: D just summed).
     void advance_density(double dt);
+    /// Adds the viscous accelerations of an implicit update; without effect where they are in the sums.
+    void take_viscosity(double t, double dt, double dt_before);
     /// Damps what settles and drives what is held, see Start; without effect once all are let go.
     void constrain_start(double t, double dt, double dt_before);
     /// Damps what is in absorbing layers and drives what stands in openings; without effect where
@@ -109,6 +112,7 @@ class FluidSystem {
     std::int64_t put_back() const { return put_back_ + openings_.put_back(); }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
+    const std::optional<ImplicitViscosity>& implicit_viscosity() const { return implicit_; }
     const Start& start() const { return *start_; }
     Vec3 gravity() const { return gravity_; }     // all of it, see PairPhysics::gravity [m/s2]
     const Periodic& periodic() const { return mirror_.periodic(); }
@@ -136,12 +140,14 @@ class FluidSystem {
     MirrorPlanes mirror_;
     std::vector<FixedReflection> fixed_reflections_;   // [2^planes]
     Neighborhood neighbors_;
+    NoSlipImages no_slip_;
     SurfaceImages surface_;
     bool with_surface_images_;
     std::optional<Box> domain_;
     std::optional<Start> start_;
     Openings openings_;
     AbsorbingLayers absorbing_;
+    std::optional<ImplicitViscosity> implicit_;
     struct NearPlane {
         int particle, plane;
     };

@@ -191,10 +191,18 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.max_speed", f.max_speed);
     s.set("sph.max_mach", f.max_speed / c0);
     add_density_advice(f.max_compression, c0, s);
+    if (fluid.implicit_viscosity()) {
+        const ImplicitFigures& i = fluid.implicit_viscosity()->figures();
+        s.set("sph.viscosity.iterations_mean", i.steps ? double(i.iterations) / double(i.steps) : 0);
+        s.set("sph.viscosity.iterations_most", static_cast<std::int64_t>(i.most_iterations));
+        s.set("sph.viscosity.steps_not_converged", i.not_converged);
+        s.set("sph.viscosity.worst_residual_over_tolerance", i.worst_residual);
+    }
     add_budget(names_, fluid, s);
     s.set("sph.wall_split_s.neighbors", f.neighbors);
     s.set("sph.wall_split_s.pack", f.pack);
     s.set("sph.wall_split_s.sums", f.sums);
+    if (fluid.implicit_viscosity()) s.set("sph.wall_split_s.viscosity", f.viscosity);
     s.set("sph.wall_split_s.waiting", f.contact_wait);
     s.set("sph.wall_split_s.move", f.move);
     s.set("sph.wall_split_s.output", f.output);

@@ -16,7 +16,7 @@ namespace undertow::sph {
 
 /// Wall time by activity [s], and counts of a run.
 struct RunFigures {
-    double neighbors = 0, pack = 0, sums = 0, contact_wait = 0, move = 0, output = 0;   // [s]
+    double neighbors = 0, pack = 0, sums = 0, viscosity = 0, contact_wait = 0, move = 0, output = 0;   // [s]
     double wall = 0;                                   // [s]
     std::int64_t steps = 0, two_pass_steps = 0;
     double particle_steps = 0;

@@ -102,10 +102,14 @@ int run(const Case& input, const SolverOptions& options) {
         if (fluid.fluids()[k].viscoplastic())
             log_info(fmt::format("fluid \"{}\": viscosity at most {:.4g} Pa s{}",
                                  input.sph.fluid[k].name, fluid.fluids()[k].rheology.max_viscosity,
-                                 input.sph.fluid[k].max_viscosity > 0
-                                     ? ""
+                                 input.sph.fluid[k].max_viscosity > 0 ? ""
+                                 : fluid.implicit_viscosity()
+                                     ? ", a thousandth of the flow's shear rate at yield"
                                      : ", the largest that does not shorten the step"));
 
+    if (fluid.implicit_viscosity())
+        log_info(fmt::format("viscous forces: implicit, {:.2g} of the mean acceleration left",
+                             input.sph.viscosity_tolerance));
     if (fluid.start().end() > 0)
         log_info(fmt::format("start: damped at {:.4g} 1/s until {:.4g} s, all let go at {:.4g} s",
                              fluid.start().damping(), input.start.settle, fluid.start().end()));
@@ -169,6 +173,8 @@ int run(const Case& input, const SolverOptions& options) {
             watch.lap(figures.contact_wait);
             if (order.finished) break;
 
+            fluid.take_viscosity(t, order.dt, dt);
+            watch.lap(figures.viscosity);
             fluid.constrain_start(t, order.dt, dt);
             fluid.constrain_ends(t, order.dt, dt);
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);

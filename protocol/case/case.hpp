@@ -51,6 +51,8 @@ enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
 enum class Slip { free_slip, no_slip };
+enum class ViscositySolver { automatic, explicit_sums, implicit };
+enum class ViscousForm { laplacian, strain };
 
 struct Fluid {                           // [[sph.fluid]]
     std::string name;
@@ -97,6 +99,7 @@ struct PlaneWall {                       // [[sph.plane]] infinite rigid wall, b
     Vec3 point{};                        // [m]
     Vec3 normal{0, 0, 1};                // into the fluid
     Slip slip = Slip::free_slip;         // "free" (or "free_slip"), "no_slip"
+    Vec3 velocity{};                     // [m/s] along itself, of a no-slip plane
 };
 
 struct PlateWall {                       // [[sph.plate]] rigid box of dummy particles, may move (gate)
@@ -154,6 +157,10 @@ struct SphSettings {
     double smoothing_ratio = 1.2;        // h/dx; support radius 2h
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
+    ViscositySolver viscosity_solver = ViscositySolver::automatic;   // "auto", "explicit", "implicit"
+    double viscosity_tolerance = 1e-3;   // implicit: unbalanced acceleration over the mean one
+    ViscousForm viscous_form = ViscousForm::laplacian;   // "laplacian": div(mu grad v), "strain":
+                                         // div(2 mu D), which lets a stiff body turn
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
     double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator

@@ -43,6 +43,14 @@ const char* name(Integrator v) {
            : v == Integrator::one_pass ? "one_pass"
                                        : "two_pass";
 }
+const char* name(ViscositySolver v) {
+    return v == ViscositySolver::automatic  ? "auto"
+           : v == ViscositySolver::implicit ? "implicit"
+                                            : "explicit";
+}
+const char* name(ViscousForm v) {
+    return v == ViscousForm::laplacian ? "laplacian" : "strain";
+}
 const char* name(SphGaugeKind v) {
     return v == SphGaugeKind::front      ? "front"
            : v == SphGaugeKind::pressure ? "pressure"
@@ -90,7 +98,8 @@ void to_json(Json& j, const Obstacle& v) {
 }
 
 void to_json(Json& j, const PlaneWall& v) {
-    j = {{"name", v.name}, {"point", v.point}, {"normal", v.normal}, {"slip", name(v.slip)}};
+    j = {{"name", v.name}, {"point", v.point}, {"normal", v.normal}, {"slip", name(v.slip)},
+         {"velocity", v.velocity}};
 }
 
 void to_json(Json& j, const PlateWall& v) {
@@ -134,6 +143,9 @@ void to_json(Json& j, const SphSettings& v) {
          {"smoothing_ratio", v.smoothing_ratio},
          {"density_diffusion", v.density_diffusion},
          {"artificial_viscosity", v.artificial_viscosity},
+         {"viscosity_solver", name(v.viscosity_solver)},
+         {"viscosity_tolerance", v.viscosity_tolerance},
+         {"viscous_form", name(v.viscous_form)},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},
          {"cfl", v.cfl},

@@ -135,6 +135,17 @@ void read_plane(TableReader& reader, PlaneWall& plane, const CaseInfo& info) {
     reader.direction("normal", plane.normal);
     require_in_plane(reader, "normal", plane.normal, info);
     reader.choice<Slip>("slip", plane.slip, slip_names);
+    reader.vector("velocity", plane.velocity, "m/s");
+    require_in_plane(reader, "velocity", plane.velocity, info);
+    if (!reader.has("velocity")) return;
+    const Vec3 &n = plane.normal, &v = plane.velocity;
+    const double across = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+    if (std::abs(across) > 1e-9 * std::hypot(n[0], n[1], n[2]) * std::hypot(v[0], v[1], v[2]))
+        reader.reject("velocity",
+                      "is not allowed: a plane moves only along itself; a wall that pushes is an "
+                      "[[sph.plate]].");
+    if (plane.slip != Slip::no_slip)
+        reader.reject("velocity", "has no effect on a free-slip plane: set slip = \"no_slip\".");
 }
 
 void read_plate(TableReader& reader, PlateWall& plate, const SphSettings& sph,
@@ -185,6 +196,15 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
+    reader.choice<ViscositySolver>("viscosity_solver", sph.viscosity_solver,
+                                   {{"auto", ViscositySolver::automatic},
+                                    {"explicit", ViscositySolver::explicit_sums},
+                                    {"implicit", ViscositySolver::implicit}});
+    // Above a tenth the force that is left out is no longer small; below 1e-6 float32 ends it.
+    reader.number("viscosity_tolerance", sph.viscosity_tolerance, closed(1e-6, 0.1));
+    reader.choice<ViscousForm>(
+        "viscous_form", sph.viscous_form,
+        {{"laplacian", ViscousForm::laplacian}, {"strain", ViscousForm::strain}});
     reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},

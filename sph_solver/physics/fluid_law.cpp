@@ -7,7 +7,6 @@
 
 #include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/particles.hpp"
-#include "sph_solver/physics/stable_step.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::sph {
@@ -85,24 +84,6 @@ FluidLaw resolve_fluid(const Case& input, const Fluid& f) {
     return law;
 }
 
-/// Chooses the cap of the viscosity where the case leaves it open, and checks one that is given.
-void cap_viscosity(const Case& input, const Fluid& f, double c0, FluidLaw& law) {
-    double& cap = law.rheology.max_viscosity;
-    const double free = largest_free_viscosity(input.sph, law.rho0, c0);
-    if (cap == 0 && law.mu >= free)
-        throw InputError(fmt::format(
-            "{}: sph.fluid \"{}\": viscosity = {:.4g} Pa s alone shortens the step, so there is no "
-            "max_viscosity that does not (the limit is {:.4g} Pa s); give max_viscosity, above "
-            "viscosity.",
-            input.file, f.name, law.mu, free));
-    if (cap == 0) cap = free;
-    if (cap <= law.mu)
-        throw InputError(fmt::format(
-            "{}: sph.fluid \"{}\": max_viscosity = {:.4g} Pa s must be > viscosity = {:.4g} Pa s; "
-            "leave it out for the largest that does not shorten the step, {:.4g} Pa s.",
-            input.file, f.name, cap, law.mu, free));
-}
-
 }  // namespace
 
 std::vector<FluidLaw> resolve_fluids(const Case& input) {
@@ -112,13 +93,7 @@ std::vector<FluidLaw> resolve_fluids(const Case& input) {
         throw InputError(fmt::format("{}: sph.fluid: {} fluids given; at most {} are allowed.",
                                      input.file, input.sph.fluid.size(), FluidTag::most));
     std::vector<FluidLaw> laws;
-    double c0 = 0;
-    for (const Fluid& f : input.sph.fluid) {
-        laws.push_back(resolve_fluid(input, f));
-        c0 = std::max(c0, laws.back().c0);
-    }
-    for (std::size_t k = 0; k < laws.size(); ++k)
-        if (laws[k].viscoplastic()) cap_viscosity(input, input.sph.fluid[k], c0, laws[k]);
+    for (const Fluid& f : input.sph.fluid) laws.push_back(resolve_fluid(input, f));
     return laws;
 }
 

@@ -19,6 +19,8 @@ struct FluidLaw {
     MieGrueneisen us_up{};
     Tait tait{};
     HerschelBulkley rheology{};
+    bool resolves_walls = false;   // the layer at a no-slip wall is laminar at the first particle,
+                                   // see plan_viscosity
 
     double pressure(double drho, double energy) const {
         return equation_of_state == EquationOfState::us_up ? us_up(drho, energy)
@@ -37,7 +39,7 @@ struct FluidLaw {
 /// largest initial speed (the tip of a dam break on a dry bed, Ritter 1892).
 double expected_speed(const Case& input);
 
-/// Constants of all fluids, in the order of [[sph.fluid]]; throws InputError when there is none, or
+/// Constants of all fluids, in the order of [[sph.fluid]], but for what plan_viscosity settles; throws InputError when there is none, or
 /// more than the packed records can tell apart.
 std::vector<FluidLaw> resolve_fluids(const Case& input);
 

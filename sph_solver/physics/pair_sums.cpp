@@ -28,7 +28,8 @@ void store_results(const Factors<float, OfOwn>& k, float8 volume, const PairSums
 
 template <class KernelLaw, Terms terms>
 inline void sum_pure_cluster(const PairConstants<float>& c, const Factors<float>& k,
-                             const Neighborhood& neighbors, int cluster, Particles& particles) {
+                             const Neighborhood& neighbors, const NoSlipImages& no_slip,
+                             int cluster, Particles& particles) {
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes;
@@ -40,12 +41,17 @@ inline void sum_pure_cluster(const PairConstants<float>& c, const Factors<float>
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         add_pair<KernelLaw, terms>(c, i.own, dx, dy, dz, j, sum);
     }
+    if constexpr (terms != Terms::rate)
+        if (!no_slip.empty())
+            add_no_slip<KernelLaw, Content::one_fluid>(c, i, no_slip, records, cluster, nullptr,
+                                                       nullptr, sum);
     store_results<terms>(k, i.volume, sum, first, particles);
 }
 
 template <class KernelLaw, Terms terms>
 void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
-                  const Neighborhood& neighbors, Particles& particles) {
+                  const Neighborhood& neighbors, const NoSlipImages& no_slip,
+                  Particles& particles) {
     const double unit = neighbors.fixed().unit;
     const FluidLaw& fluid = physics.fluids[0];
     const auto c = pair_constants<float>(physics, fluid, unit);
@@ -53,7 +59,7 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<KernelLaw, terms>(c, k, neighbors, cluster, particles);
+        sum_pure_cluster<KernelLaw, terms>(c, k, neighbors, no_slip, cluster, particles);
 }
 
 /// Viscosities of the next step, of the viscoplastic ones among the eight.
@@ -69,7 +75,8 @@ void take_shear_rate(const PairPhysics& physics, const Packed* records, int firs
 
 template <class KernelLaw, Terms terms, Content content>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
-                       const Neighborhood& neighbors, int cluster, Particles& particles) {
+                       const Neighborhood& neighbors, const NoSlipImages& no_slip,
+                              int cluster, Particles& particles) {
     constexpr bool variable = content == Content::viscoplastic || content == Content::sheared;
     const Packed* records = neighbors.records().data();
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
@@ -88,6 +95,10 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
                                             &m.with[FluidTag::of(j)], variable ? mu[*at] : 0.0f,
                                             &shear);
     }
+    if constexpr (terms != Terms::rate)
+        if (!no_slip.empty())
+            add_no_slip<KernelLaw, content>(mixture.constants, i, no_slip, records, cluster, m.with,
+                                            mu, sum, &shear);
     store_results<terms>(m.factors, i.volume, sum, first, particles);
     if constexpr (content == Content::sheared) {
         const auto to_moment = static_cast<float>(mixture.gradient * neighbors.fixed().unit);
@@ -101,7 +112,8 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 /// no other.
 template <class KernelLaw, Terms terms>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
-                        const Neighborhood& neighbors, Particles& particles) {
+                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
+                  Particles& particles) {
     const double unit = neighbors.fixed().unit;
     const Mixture<float> mixture(physics, kernel.scale(), unit);
     PairConstants<float> c[FluidTag::most];
@@ -118,20 +130,21 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         switch (content_of(held, met, terms)) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms>(c[f], k[f], neighbors, cluster, particles);
+                sum_pure_cluster<KernelLaw, terms>(c[f], k[f], neighbors, no_slip, cluster,
+                                                   particles);
                 break;
             }
             case Content::several:
                 sum_mixed_cluster<KernelLaw, terms, Content::several>(physics, mixture, neighbors,
-                                                                      cluster, particles);
+                                                                      no_slip, cluster, particles);
                 break;
             case Content::viscoplastic:
                 sum_mixed_cluster<KernelLaw, terms, Content::viscoplastic>(
-                    physics, mixture, neighbors, cluster, particles);
+                    physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::sheared:
                 sum_mixed_cluster<KernelLaw, terms, Content::sheared>(physics, mixture, neighbors,
-                                                                      cluster, particles);
+                                                                      no_slip, cluster, particles);
                 break;
         }
     }
@@ -139,24 +152,24 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
 
 template <Terms terms, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
-             Particles& particles) {
+             const NoSlipImages& no_slip, Particles& particles) {
     if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, particles);
+        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, particles);
     else
-        sum_clusters<KernelLaw, terms>(kernel, physics, neighbors, particles);
+        sum_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, particles);
 }
 
 }  // namespace
 
-void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
-                        Particles& particles) {
+void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
+                        const NoSlipImages& no_slip, Terms terms, Particles& particles) {
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
         if (terms == Terms::both)
-            sum_all<Terms::both>(kernel, physics, neighbors, particles);
+            sum_all<Terms::both>(kernel, physics, neighbors, no_slip, particles);
         else if (terms == Terms::rate)
-            sum_all<Terms::rate>(kernel, physics, neighbors, particles);
+            sum_all<Terms::rate>(kernel, physics, neighbors, no_slip, particles);
         else
-            sum_all<Terms::force>(kernel, physics, neighbors, particles);
+            sum_all<Terms::force>(kernel, physics, neighbors, no_slip, particles);
     });
 }
 

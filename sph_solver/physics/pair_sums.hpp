@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/boundary/no_slip_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/fluid_law.hpp"
@@ -19,6 +20,9 @@ struct PairPhysics {
     double density_diffusion = 0;     // delta
     Vec3 gravity{};                   // [m/s2] of which pressure takes care at rest: without its
                                       // components along periodic axes
+    double lattice_moment = 1;        // viscous sums are divided by it, see lattice_moment.hpp
+    bool implicit_viscosity = false;  // the sums leave the viscous forces out
+    ViscousForm viscous_form = ViscousForm::laplacian;
     std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
 
     bool viscoplastic() const {
@@ -33,8 +37,8 @@ struct PairPhysics {
 /// Writes particles.drho_dt (rate), particles.ax, ay, az (force) or both from the packed records.
 /// With forces it also finds the shear rate of viscoplastic particles, and from it
 /// particles.viscosity, which the next pack shows to neighbors.
-void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
-                        Particles& particles);
+void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
+                        const NoSlipImages& no_slip, Terms terms, Particles& particles);
 
 /// The same in double precision, one pair at a time: the readable reference of the fast loop.
 struct ReferenceSums {

@@ -13,11 +13,12 @@ struct LawOfTheWall {
     double rho;   // [kg/m3]
     double mu;    // [Pa s]
 
+    /// u+ = z+ <= 11.81
+    bool laminar(double u, double z) const { return u * z * rho <= 11.81 * 11.81 * mu; }
+
     /// Stress at distance z [m] from the wall, for the speed u [m/s] along it.  [Pa]
     double operator()(double u, double z) const {
-        const double laminar = mu * u / z;
-        // the two branches meet where u+ = z+ = 11.81
-        if (u * z * rho <= 11.81 * 11.81 * mu) return laminar;
+        if (laminar(u, z)) return mu * u / z;
         const double a = u / 8.3, b = mu / (rho * z);
         const double root = std::sqrt(a);
         return rho * a * root * std::sqrt(root) * std::sqrt(std::sqrt(b));   // rho a^(7/4) b^(1/4)

@@ -131,6 +131,7 @@ TEST_CASE("still water before an outflow at its level stays where it is") {
     const double dx = 0.01;
     Case input = scenes::water_box(dx, {0.4, 0, 0.1}, 2);
     input.sph.max_speed = 1.4;
+    input.sph.smoothing_ratio = 1.5;   // at 1.2 the lattice gives way under its own weight
     input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1}),
                        scenes::plane("left", {0, 0, 0}, {1, 0, 0})};
     input.sph.outflow = {outflow({{0.4, 0, 0}, {0.4, 0, 0.3}})};

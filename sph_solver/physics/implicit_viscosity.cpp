@@ -1,0 +1,125 @@
+#include "sph_solver/physics/implicit_viscosity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace undertow::sph {
+
+/// body(i) summed in blocks, and the blocks in order: the same bits for any number of threads.
+template <class Body>
+double ImplicitViscosity::sum_over_particles(int n, Body&& body) {
+    constexpr int block = 512;
+    const int blocks = (n + block - 1) / block;
+    part_.resize(blocks);
+#pragma omp parallel for schedule(static)
+    for (int b = 0; b < blocks; ++b) {
+        double sum = 0;
+        for (int i = b * block; i < std::min(n, (b + 1) * block); ++i) sum += body(i);
+        part_[b] = sum;
+    }
+    double sum = 0;
+    for (const double part : part_) sum += part;
+    return sum;
+}
+
+void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& neighbors,
+                              const MirrorPlanes& mirror, const Plates& plates, double t,
+                              double kick, const Vec3& g, std::size_t identities, Particles& particles) {
+    Particles& s = particles;
+    const int n = static_cast<int>(s.size());
+    if (n == 0 || !(kick > 0)) return;
+    operator_.prepare(physics, neighbors, mirror, plates, t, s);
+    before_.resize(3 * identities, 0.0f);
+    for (Field3* f : {&guess_, &change_, &residual_, &direction_, &image_}) f->resize(n);
+    const float* m = operator_.mass().data();
+
+    // what the velocity would be with the acceleration of the step before
+    double weight = 0, drive = 0;
+    weight = sum_over_particles(n, [&](int i) {
+        const float* a = &before_[3 * s.id[i]];
+        guess_.x[i] = float(s.vx[i] + kick * a[0]);
+        guess_.y[i] = float(s.vy[i] + kick * a[1]);
+        guess_.z[i] = float(s.vz[i] + kick * a[2]);
+        return double(m[i]);
+    });
+    operator_.apply(guess_, ViscousOperator::Walls::moving, 0, kick, image_);
+    operator_.diagonal(kick, diagonal_);
+    // r = m (u* - u) - k K u
+    drive = sum_over_particles(n, [&](int i) {
+        const float* a = &before_[3 * s.id[i]];
+        const double ax = s.ax[i] + s.fx[i] + g[0], ay = s.ay[i] + s.fy[i] + g[1],
+                     az = s.az[i] + s.fz[i] + g[2];
+        residual_.x[i] = float(m[i] * kick * (ax - a[0])) - image_.x[i];
+        residual_.y[i] = float(m[i] * kick * (ay - a[1])) - image_.y[i];
+        residual_.z[i] = float(m[i] * kick * (az - a[2])) - image_.z[i];
+        change_.x[i] = change_.y[i] = change_.z[i] = 0;
+        return m[i] * std::max(ax * ax + ay * ay + az * az,
+                               double(a[0]) * a[0] + double(a[1]) * a[1] + double(a[2]) * a[2]);
+    });
+    // fluid in equilibrium under its own weight has next to no drive: then its weight is the measure
+    const double g2 = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    const double scale2 = kick * kick * std::max(drive, 1e-4 * g2 * weight);
+
+    double rz = 0;
+    const auto precondition = [&](int i) {
+        const float d = 1 / diagonal_[i];
+        return double(d) * (double(residual_.x[i]) * residual_.x[i] +
+                            double(residual_.y[i]) * residual_.y[i] +
+                            double(residual_.z[i]) * residual_.z[i]);
+    };
+    const auto unbalanced = [&] {
+        return sum_over_particles(n, [&](int i) {
+            return (double(residual_.x[i]) * residual_.x[i] +
+                    double(residual_.y[i]) * residual_.y[i] +
+                    double(residual_.z[i]) * residual_.z[i]) / m[i];
+        });
+    };
+    double left2 = unbalanced();
+    // a start that the viscosity alone drives is measured by itself
+    const double enough2 = tolerance_ * tolerance_ * std::max(scale2, left2);
+    rz = sum_over_particles(n, precondition);
+    int iteration = 0;
+    double beta = 0;
+    while (left2 > enough2 && iteration < most_iterations) {
+        ++iteration;
+#pragma omp parallel for schedule(static)
+        for (int i = 0; i < n; ++i) {
+            const float d = 1 / diagonal_[i], b = float(beta);
+            direction_.x[i] = d * residual_.x[i] + (beta > 0 ? b * direction_.x[i] : 0);
+            direction_.y[i] = d * residual_.y[i] + (beta > 0 ? b * direction_.y[i] : 0);
+            direction_.z[i] = d * residual_.z[i] + (beta > 0 ? b * direction_.z[i] : 0);
+        }
+        const double curvature =
+            operator_.apply(direction_, ViscousOperator::Walls::still, 1, kick, image_);
+        const auto alpha = float(rz / curvature);
+        const double rz_next = sum_over_particles(n, [&](int i) {
+            change_.x[i] += alpha * direction_.x[i], residual_.x[i] -= alpha * image_.x[i];
+            change_.y[i] += alpha * direction_.y[i], residual_.y[i] -= alpha * image_.y[i];
+            change_.z[i] += alpha * direction_.z[i], residual_.z[i] -= alpha * image_.z[i];
+            return precondition(i);
+        });
+        beta = rz_next / rz;
+        rz = rz_next;
+        left2 = unbalanced();
+    }
+    ++figures_.steps;
+    figures_.iterations += iteration;
+    figures_.most_iterations = std::max(figures_.most_iterations, iteration);
+    if (left2 > enough2) {
+        ++figures_.not_converged;
+        figures_.worst_residual = std::max(figures_.worst_residual, std::sqrt(left2 / enough2));
+    }
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; ++i) {
+        float* a = &before_[3 * s.id[i]];
+        const double per = 1 / kick;
+        a[0] += float(per * (change_.x[i] + residual_.x[i] / m[i]));
+        a[1] += float(per * (change_.y[i] + residual_.y[i] / m[i]));
+        a[2] += float(per * (change_.z[i] + residual_.z[i] / m[i]));
+        s.ax[i] = float(a[0] - s.fx[i] - g[0]);
+        s.ay[i] = float(a[1] - s.fy[i] - g[1]);
+        s.az[i] = float(a[2] - s.fz[i] - g[2]);
+    }
+}
+
+}  // namespace undertow::sph

@@ -1,0 +1,26 @@
+#pragma once
+// How the viscous forces of a scene are taken, and how stiff what does not yield is.
+
+#include <vector>
+
+#include "case/case.hpp"
+#include "sph_solver/physics/fluid_law.hpp"
+
+namespace undertow::sph {
+
+/// What does not yield may shear with this share of the flow's own rate V/H: Papanastasiou's m V/H is
+/// then 1000, from where velocities of channels and slumps no longer depend on it.
+constexpr double creep_share = 1e-3;
+
+/// `auto` goes implicit where the explicit step would be this many times shorter than the acoustic one.
+constexpr double implicit_from = 10;
+
+/// The flow's own shear rate [1/s]: largest expected speed (a tenth of c0 where it is not known) over
+/// the height of the fills.
+double shear_rate_of_flow(const Case& input, double c0);
+
+/// Settles max_viscosity of the viscoplastic fluids that leave it open. c0: largest [m/s].
+/// Returns true if the update is to be implicit. InputError: a cap below the Newtonian viscosity.
+bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws);
+
+}  // namespace undertow::sph

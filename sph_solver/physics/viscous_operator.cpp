@@ -1,0 +1,223 @@
+#include "sph_solver/physics/viscous_operator.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/pair_terms.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+inline float8 load(const float* a) {
+    float8 value;
+    __builtin_memcpy(&value, a, sizeof value);
+    return value;
+}
+inline void store(float* a, float8 value) {
+    __builtin_memcpy(a, &value, sizeof value);
+}
+
+struct Target {
+    int8 x, y, z;
+    float8 volume, mu;
+};
+
+Target load_target(const Packed* records, int first, int last) {
+    Target c;
+    for (int k = 0; k < lanes; ++k) {
+        const Packed& q = records[std::min(first + k, last - 1)];
+        c.x[k] = q.x, c.y[k] = q.y, c.z[k] = q.z;
+        c.volume[k] = q.volume, c.mu[k] = q.p;
+    }
+    return c;
+}
+
+struct Sum {
+    float8 x{}, y{}, z{};
+};
+
+/// sum_j mu_ij V_j F (u_i - u_j), or with its part along x_ij.
+template <class KernelLaw, ViscousForm form>
+Sum sum_pairs(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* records,
+              const int* at, const int* end, float inverse_h, float tiny) {
+    Sum sum;
+    for (; at != end; ++at) {
+        const Packed& j = records[*at];
+        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
+        const float8 w = KernelLaw::gradient_factor(r2, inverse_h) * j.volume *
+                         harmonic_mean(i.mu, j.p);
+        const float8 vx = ux - j.vx, vy = uy - j.vy, vz = uz - j.vz;
+        if constexpr (form == ViscousForm::laplacian) {
+            sum.x += w * vx, sum.y += w * vy, sum.z += w * vz;
+        } else {
+            const float8 along = w * (vx * dx + vy * dy + vz * dz) * reciprocal(r2);
+            sum.x += along * dx, sum.y += along * dy, sum.z += along * dz;
+        }
+    }
+    return sum;
+}
+
+/// sum_j mu_ij V_j F without the particle itself.
+template <class KernelLaw>
+float8 sum_weights(const Target& i, const Packed* records, const int* at, const int* end,
+                   float inverse_h, float tiny) {
+    float8 sum{};
+    for (; at != end; ++at) {
+        const Packed& j = records[*at];
+        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
+        const float8 w = KernelLaw::gradient_factor(r2, inverse_h) * j.volume *
+                         harmonic_mean(i.mu, j.p);
+        sum += r2 > 2 * tiny ? w : float8{};
+    }
+    return sum;
+}
+
+/// 2 scale, and for the strain form times d + 2.
+double pair_scale(const PairPhysics& p) {
+    const double scale =
+        with_kernel(p.kernel, p.h, p.dimension, [](const auto& kernel) { return kernel.scale(); });
+    return 2 * scale / p.lattice_moment *
+           (p.viscous_form == ViscousForm::strain ? p.dimension + 2 : 1);
+}
+
+}  // namespace
+
+void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& neighbors,
+                              const MirrorPlanes& mirror, const Plates& plates, double t,
+                              const Particles& particles) {
+    physics_ = &physics, neighbors_ = &neighbors, mirror_ = &mirror;
+    records_ = neighbors.records();
+    const int n = neighbors.fluid_count(), records = static_cast<int>(records_.size());
+    const std::vector<Extra>& extras = neighbors.extras();
+    // of the shear rates just found: the packed ones are a step older
+    const std::vector<float>& viscosity = particles.viscosity;
+    image_.resize(extras.size(), ViscousImage(mirror, 0, false));
+    mass_.resize((n + lanes - 1) / lanes * lanes, 1.0f);
+    part_.resize(neighbors.fluid_lists().clusters());
+#pragma omp parallel for schedule(static)
+    for (int j = 0; j < records; ++j) {
+        Packed& q = records_[j];
+        const bool extra = j >= n;
+        const Extra* e = extra ? &extras[j - n] : nullptr;
+        const std::uint8_t own = extra ? (e->from_plate ? plates.fluid[e->source]
+                                                        : particles.fluid[e->source])
+                                       : particles.fluid[j];
+        const FluidLaw& fluid = physics.fluids[own];
+        if (viscosity.empty())
+            q.p = static_cast<float>(fluid.mu);
+        else
+            q.p = !extra ? viscosity[j]
+                  : e->from_plate ? plates.viscosity[e->source]
+                                     : viscosity[e->source];
+        if (!extra) {
+            mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
+            continue;
+        }
+        ViscousImage& image = image_[j - n];
+        image = ViscousImage(mirror, e->mask, !e->from_plate && fluid.resolves_walls);
+        if (!e->from_plate) continue;
+        const int owner = plates.plate[e->source];
+        // u_i - (2 v_w - u_i): twice the weight against the wall's velocity
+        q.volume *= plates.walls[owner].slip == Slip::no_slip ? 2.0f : 0.0f;
+        const Vec3 v = plates.velocity(owner, t);
+        for (int a = 0; a < 3; ++a) image.wall[a] = static_cast<float>(v[a]);
+    }
+}
+
+void ViscousOperator::pack(const Field3& u, Walls walls) {
+    const int n = neighbors_->fluid_count(), records = static_cast<int>(records_.size());
+    const std::vector<Extra>& extras = neighbors_->extras();
+    const float moving = walls == Walls::moving ? 1 : 0;
+#pragma omp parallel for schedule(static)
+    for (int j = 0; j < records; ++j) {
+        Packed& q = records_[j];
+        if (j < n) {
+            q.vx = u.x[j], q.vy = u.y[j], q.vz = u.z[j];
+            continue;
+        }
+        const Extra& e = extras[j - n];
+        const ViscousImage& image = image_[j - n];
+        q.vx = moving * image.wall[0], q.vy = moving * image.wall[1], q.vz = moving * image.wall[2];
+        if (e.from_plate) continue;
+        const auto& m = mirror_->reflection(image.mirrored).m;
+        const float s = image.sign, x = u.x[e.source], y = u.y[e.source], z = u.z[e.source];
+        q.vx += s * (float(m[0][0]) * x + float(m[0][1]) * y + float(m[0][2]) * z);
+        q.vy += s * (float(m[1][0]) * x + float(m[1][1]) * y + float(m[1][2]) * z);
+        q.vz += s * (float(m[2][0]) * x + float(m[2][1]) * y + float(m[2][2]) * z);
+    }
+}
+
+template <class Body>
+double ViscousOperator::over_clusters(Body&& body) {
+    const int clusters = neighbors_->fluid_lists().clusters();
+#pragma omp parallel for schedule(dynamic, 32)
+    for (int c = 0; c < clusters; ++c) part_[c] = body(c);
+    double sum = 0;
+    for (const double part : part_) sum += part;
+    return sum;
+}
+
+template <class KernelLaw, ViscousForm form>
+double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt, Field3& out) {
+    const int n = neighbors_->fluid_count();
+    const double unit = neighbors_->fixed().unit, h = physics_->h / unit;
+    const auto inverse_h = static_cast<float>(1 / h), tiny = static_cast<float>(1e-6 * h * h);
+    const auto to_force = static_cast<float>(dt * pair_scale(*physics_));
+    const auto of_mass = static_cast<float>(mass_factor);
+    const ClusterLists& lists = neighbors_->fluid_lists();
+    return over_clusters([&](int cluster) {
+        const int first = cluster * lanes;
+        const Target i = load_target(records_.data(), first, n);
+        const float8 ux = load(&u.x[first]), uy = load(&u.y[first]), uz = load(&u.z[first]);
+        const Sum sum =
+            sum_pairs<KernelLaw, form>(i, ux, uy, uz, records_.data(), lists.begin(cluster),
+                                       lists.end(cluster), inverse_h, tiny);
+        const float8 m = of_mass * load(&mass_[first]), v = to_force * i.volume;
+        const float8 x = m * ux + v * sum.x, y = m * uy + v * sum.y, z = m * uz + v * sum.z;
+        store(&out.x[first], x), store(&out.y[first], y), store(&out.z[first], z);
+        const float8 product = ux * x + uy * y + uz * z;
+        double dot = 0;
+        for (int k = 0; k < std::min(lanes, n - first); ++k) dot += product[k];
+        return dot;
+    });
+}
+
+double ViscousOperator::apply(const Field3& u, Walls walls, double mass_factor, double dt,
+                              Field3& out) {
+    pack(u, walls);
+    const bool strain = physics_->viscous_form == ViscousForm::strain;
+    return with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& kernel) {
+        using Law = std::decay_t<decltype(kernel)>;
+        return strain ? apply_as<Law, ViscousForm::strain>(u, mass_factor, dt, out)
+                      : apply_as<Law, ViscousForm::laplacian>(u, mass_factor, dt, out);
+    });
+}
+
+void ViscousOperator::diagonal(double dt, std::vector<float>& out) {
+    out.resize(mass_.size());
+    const int n = neighbors_->fluid_count();
+    const double unit = neighbors_->fixed().unit, h = physics_->h / unit;
+    const auto inverse_h = static_cast<float>(1 / h), tiny = static_cast<float>(1e-6 * h * h);
+    // the mean of (e e^T) over directions e is 1/d
+    const double share =
+        physics_->viscous_form == ViscousForm::strain ? 1.0 / physics_->dimension : 1;
+    const auto to_force = static_cast<float>(dt * pair_scale(*physics_) * share);
+    const ClusterLists& lists = neighbors_->fluid_lists();
+    over_clusters([&](int cluster) {
+        const int first = cluster * lanes;
+        const Target i = load_target(records_.data(), first, n);
+        const float8 w =
+            with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& law) {
+                return sum_weights<std::decay_t<decltype(law)>>(
+                    i, records_.data(), lists.begin(cluster), lists.end(cluster), inverse_h, tiny);
+            });
+        store(&out[first], load(&mass_[first]) + to_force * i.volume * w);
+        return 0.0;
+    });
+}
+
+}  // namespace undertow::sph
