@@ -179,6 +179,7 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.max_mach", f.max_speed / c0);
     add_density_advice(f.max_compression, c0, s);
     add_budget(names_, fluid, s);
+    add_model_share(fluid.mirror(), s);
     s.set("sph.wall_split_s.neighbors", f.neighbors);
     s.set("sph.wall_split_s.pack", f.pack);
     s.set("sph.wall_split_s.sums", f.sums);
