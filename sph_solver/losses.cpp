@@ -105,6 +105,13 @@ void add_budget(const std::vector<std::string>& names, const FluidSystem& fluid,
     s.set("sph.budget.closed", open == 0);
 }
 
+void add_model_share(const MirrorPlanes& mirror, Summary& s) {
+    double share = 1;
+    for (int k = 0; k < mirror.size(); ++k)
+        if (mirror.plane(k).symmetry) share *= 0.5;
+    if (share < 1) s.set("sph.model_share", share);
+}
+
 void add_density_advice(double deviation, double c0, Summary& s) {
     s.set("sph.max_density_deviation", deviation);
     constexpr double much = 0.03, aim = 0.01;

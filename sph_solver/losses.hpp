@@ -26,6 +26,10 @@ class LossReport {
 /// been removed, fluid by fluid. Buffers of openings are no part of it.
 void add_budget(const std::vector<std::string>& names, const FluidSystem& fluid, Summary& summary);
 
+/// The share of the whole that a model with planes of symmetry is, 1/2 for each: forces, masses and
+/// energies are of this share. Nothing without such planes.
+void add_model_share(const MirrorPlanes& mirror, Summary& summary);
+
 /// Largest density deviation and, where it is more than 3 %, the sound speed that would keep it at
 /// 1 %: rho/rho0 - 1 goes with 1/c0^2. Says so in the log as well. c0 [m/s].
 void add_density_advice(double deviation, double c0, Summary& summary);

@@ -199,6 +199,7 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
         s.set("sph.viscosity.worst_residual_over_tolerance", i.worst_residual);
     }
     add_budget(names_, fluid, s);
+    add_model_share(fluid.mirror(), s);
     s.set("sph.wall_split_s.neighbors", f.neighbors);
     s.set("sph.wall_split_s.pack", f.pack);
     s.set("sph.wall_split_s.sums", f.sums);

@@ -100,6 +100,8 @@ struct PlaneWall {                       // [[sph.plane]] infinite rigid wall, b
     Vec3 normal{0, 0, 1};                // into the fluid
     Slip slip = Slip::free_slip;         // "free" (or "free_slip"), "no_slip"
     Vec3 velocity{};                     // [m/s] along itself, of a no-slip plane
+    bool symmetry = false;               // slip = "symmetry": free, and the summary says that forces
+                                         // and masses are those of one half
 };
 
 struct PlateWall {                       // [[sph.plate]] rigid box of dummy particles, may move (gate)

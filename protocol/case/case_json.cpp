@@ -98,7 +98,10 @@ void to_json(Json& j, const Obstacle& v) {
 }
 
 void to_json(Json& j, const PlaneWall& v) {
-    j = {{"name", v.name}, {"point", v.point}, {"normal", v.normal}, {"slip", name(v.slip)},
+    j = {{"name", v.name},
+         {"point", v.point},
+         {"normal", v.normal},
+         {"slip", v.symmetry ? "symmetry" : name(v.slip)},
          {"velocity", v.velocity}};
 }
 

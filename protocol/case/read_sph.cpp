@@ -134,7 +134,12 @@ void read_plane(TableReader& reader, PlaneWall& plane, const CaseInfo& info) {
     reader.vector("point", plane.point, "m");
     reader.direction("normal", plane.normal);
     require_in_plane(reader, "normal", plane.normal, info);
-    reader.choice<Slip>("slip", plane.slip, slip_names);
+    auto names = slip_names;   // a plane of symmetry is a mirror without friction
+    names.emplace_back("symmetry", Slip::free_slip);
+    reader.choice<Slip>("slip", plane.slip, names);
+    std::string slip;
+    reader.text("slip", slip);
+    plane.symmetry = slip == "symmetry";
     reader.vector("velocity", plane.velocity, "m/s");
     require_in_plane(reader, "velocity", plane.velocity, info);
     if (!reader.has("velocity")) return;

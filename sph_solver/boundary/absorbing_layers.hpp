@@ -9,13 +9,15 @@
 //   d(rho)/dt = ... - gamma_s (rho - s),                            ds/dt    = (rho - s)/tau
 // Sound is damped in velocity and density alike, so that the layer has the impedance of water
 // whatever the frequency, and nothing comes back but what passes it twice: with gamma_s in the
-// velocity alone a layer twice as long as the pulse sent 23 % back, so 4 %. tau is the time sound
+// density alone a layer twice as long as the pulse sent 23 % back, so 4 %. tau is the time sound
 // takes through the layer: to a surface wave it is water somewhat heavier and softer. What density
-// loses is gamma_s tau times what s gains, which goes back with the pressure: a level that stays is
-// not touched, mass never.
+// loses is gamma_s tau times what s gains, and it comes back with the pressure: a level that stays
+// is not touched, nor is mass. A level that changes by eta for good ends up off by some
+// gamma_s tau (g H/c0^2) eta, a few percent of eta.
 //   gamma = 3 xi^2 A c/L,   xi = 0 where the layer of length L begins, 1 at its end
 // weakens what is quick there and back by exp(-2 A), and surface waves of the speed c by exp(-A):
-// they lose in velocity only, which is half of their energy.
+// they lose in velocity only, which is half of their energy. A is `strength` for surface waves and
+// 5/3 of it for sound.
 
 #include <cstdint>
 #include <vector>

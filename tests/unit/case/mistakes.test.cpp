@@ -32,7 +32,7 @@ const Mistake mistakes[] = {
      "case.toml:12:7: sph.fill.0.box = {...} is 1 m thin in x: it must be at least one spacing"},
     {"spacing = 0.1", "spacing = 0.1\nkernel = \"wendland_c3\"",
      "case.toml:7:10: sph.kernel = \"wendland_c3\" is not known: allowed are cubic_spline, "
-     "wendland_c2; did you mean \"wendland_c2\"?"},
+     "wendland_c2, wendland_c4; did you mean \"wendland_c2\"?"},
     {"spacing = 0.1", "spacing = 0.1\nsurface_images = 1",
      "case.toml:7:18: sph.surface_images = 1 is an integer: true or false is expected."},
     {"spacing = 0.1", "spacing = 0.1\ncfl = -0.1", "case.toml:7:7: sph.cfl = -0.1 is not allowed"},
@@ -41,6 +41,20 @@ const Mistake mistakes[] = {
     {"fluid = \"water\"", "fluid = \"watr\"",
      "case.toml:11:9: sph.fill.0.fluid = \"watr\" is not known: allowed are water; did you mean "
      "\"water\"?"},
+    {"spacing = 0.1", "spacing = 0.1\nperiodic = [\"x\"]",
+     "case.toml:7:12: sph.periodic = [\"x\"] needs sph.domain, whose extent is the period."},
+    {"[[sph.plane]]",
+     "[[sph.inflow]]\nname = \"in\"\nfluid = \"water\"\nvelocity = 1\nnormal = [1, 0, 0]\n"
+     "box = { min = [0, 0, 0], max = [0.1, 1, 1] }\n[[sph.plane]]",
+     "case.toml:18:7: sph.inflow.in.box = {...} must be flat along its normal"},
+    {"[[sph.plane]]",
+     "[[sph.outflow]]\nname = \"out\"\nnormal = [1, 0, 1]\n"
+     "box = { min = [0, 0, 0], max = [0, 1, 1] }\n[[sph.plane]]",
+     "case.toml:15:10: sph.outflow.out.normal = [1, 0, 1] is slanted: it must lie along one axis"},
+    {"[[sph.plane]]",
+     "[[sph.absorbing]]\nname = \"end\"\ndirection = [1, 0, 0]\nstrength = -1\n"
+     "box = { min = [0, 0, 0], max = [1, 1, 1] }\n[[sph.plane]]",
+     "case.toml:16:12: sph.absorbing.end.strength = -1 is not allowed"},
     {"density = 1000", "density = 0",
      "case.toml:9:11: sph.fluid.water.density = 0 is not allowed: it must be > 0 kg/m3."},
     {"density = 1000", "density = 1000\nsound_speed = \"fast\"",

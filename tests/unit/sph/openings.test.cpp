@@ -163,3 +163,33 @@ TEST_CASE("an opening without room behind it is refused with the reason") {
     double t = 0;
     CHECK_THROWS_WITH(advance(fluid, t, 0.6, 5e-4), Catch::Contains("it must be >= 0"));
 }
+
+TEST_CASE("what leaves the domain is counted by face with its momentum") {
+    Case input = scenes::water_box(0.01, {0.1, 0, 0.05}, 2);
+    input.sph.domain = Box{{-1, -1, -1}, {1, 1, 1}};
+    FluidSystem fluid(input, 0.2);
+    Particles& p = fluid.particles;
+    p.x[3] = 1.5, p.vx[3] = 2;
+    p.x[4] = 1.2, p.vx[4] = 3;
+    p.z[9] = -1.1, p.vz[9] = -4;
+    fluid.refresh_neighbors(0);
+    CHECK(fluid.particles.size() == 47);
+    CHECK(fluid.departed(1, 0).particles == 2);
+    CHECK(fluid.departed(1, 0).momentum[0] == 5);
+    CHECK(fluid.departed(4, 0).particles == 1);
+    CHECK(fluid.departed(4, 0).momentum[2] == -4);
+    CHECK(fluid.departed(0, 0).particles == 0);
+}
+
+TEST_CASE("the particle that asks for the shortest step is found") {
+    Case input = scenes::water_box(0.01, {0.1, 0, 0.05}, 2);
+    FluidSystem fluid(input, 0.2);
+    fluid.refresh_neighbors(0);
+    fluid.pack(0);
+    fluid.sum_over_neighbors(Terms::both);
+    fluid.particles.vz[17] = -3;
+    fluid.particles.ax[5] = 1e6f;
+    CHECK(fluid.limiting_particle("sound") == 17);
+    CHECK(fluid.limiting_particle("force") == 5);
+    CHECK(fluid.limiting_particle("viscosity") == -1);   // the same for all
+}
