@@ -7,6 +7,7 @@
 
 #include "results/log.hpp"
 #include "sph_solver/gauges.hpp"
+#include "sph_solver/physics/viscosity_plan.hpp"
 
 namespace undertow::sph {
 
@@ -178,7 +179,13 @@ void Recorder::add_budget(const FluidSystem& fluid, Summary& s) const {
         s.set(key + "particle_mass_kg", law.mass);
         s.set(key + "mass_start_kg", law.mass * double(fluid.filled()[k]));
         s.set(key + "sound_speed", law.c0);
-        if (law.viscoplastic()) s.set(key + "max_viscosity", law.rheology.max_viscosity);
+        if (law.viscoplastic()) {
+            const Creep creep = creep_of(law, static_cast<int>(k), fluid.particles);
+            s.set(key + "max_viscosity", law.rheology.max_viscosity);
+            s.set(key + "share_at_max_viscosity", creep.share_at_cap);
+            s.set(key + "creep_rate_1_s", creep.rate);
+            s.set(key + "creep_rate_at_half_yield_1_s", creep.at_yield);
+        }
         open += std::abs(fluid.filled()[k] - end[k] - removed[k]);
         mass_start += law.mass * double(fluid.filled()[k]);
         mass_end += law.mass * double(end[k]);
