@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "results/log.hpp"
+#include "sph_solver/physics/viscosity_plan.hpp"
 
 namespace undertow::sph {
 
@@ -72,6 +73,13 @@ void add_budget(const std::vector<std::string>& names, const FluidSystem& fluid,
         s.set(key + "particle_mass_kg", law.mass);
         s.set(key + "mass_start_kg", law.mass * double(fluid.filled()[k]));
         s.set(key + "sound_speed", law.c0);
+        if (law.viscoplastic()) {
+            const Creep creep = creep_of(law, static_cast<int>(k), fluid.particles);
+            s.set(key + "max_viscosity", law.rheology.max_viscosity);
+            s.set(key + "share_at_max_viscosity", creep.share_at_cap);
+            s.set(key + "creep_rate_1_s", creep.rate);
+            s.set(key + "creep_rate_at_half_yield_1_s", creep.at_yield);
+        }
         if (law.viscoplastic()) s.set(key + "max_viscosity", law.rheology.max_viscosity);
         for (int face = 0; face < 6; ++face) {
             const Departed& d = fluid.departed(face, static_cast<int>(k));

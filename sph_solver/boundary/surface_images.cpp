@@ -307,6 +307,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     // of the records: the sums have found the next ones already
     const std::vector<float>& viscosity = neighbors.viscosity();
     const bool variable = !viscosity.empty();
+    const double per_moment = physics.implicit_viscosity ? 0 : 2 / physics.lattice_moment;
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;
@@ -369,7 +370,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         const double pair_mu =
             variable ? harmonic_mean(double(viscosity[a]), double(viscosity[b]))
                      : mu[of_a][of_b];
-        const double laminar = 2 * pair_mu * F;
+        const double laminar = per_moment * pair_mu * F;
         const double mean = p.p[a] + p.p[b] + viscous;
         const double gn_a = dot(weight[of_a], n), gn_b = dot(weight[of_b], n);
         const double volumes = i.volume * j.volume;

@@ -87,4 +87,21 @@ bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
     return implicit;
 }
 
+Creep creep_of(const FluidLaw& law, int fluid, const Particles& particles) {
+    Creep creep;
+    const HerschelBulkley& r = law.rheology;
+    creep.at_yield = 0.5 * r.yield_stress / r.max_viscosity;
+    double all = 0, stiff = 0;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        if (particles.fluid[i] != fluid) continue;
+        const double volume = 1 / (law.rho0 + particles.drho[i]);   // times the mass, the same for all
+        all += volume;
+        if (!(particles.viscosity[i] > 0.5 * r.max_viscosity)) continue;
+        stiff += volume;
+        creep.rate = std::max(creep.rate, double(particles.shear_rate[i]));
+    }
+    creep.share_at_cap = all > 0 ? stiff / all : 0;
+    return creep;
+}
+
 }  // namespace undertow::sph

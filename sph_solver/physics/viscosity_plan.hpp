@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/particles.hpp"
 #include "sph_solver/physics/fluid_law.hpp"
 
 namespace undertow::sph {
@@ -22,5 +23,13 @@ double shear_rate_of_flow(const Case& input, double c0);
 /// Settles max_viscosity of the viscoplastic fluids that leave it open. c0: largest [m/s].
 /// Returns true if the update is to be implicit. InputError: a cap below the Newtonian viscosity.
 bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws);
+
+/// What the cap of the viscosity makes of a viscoplastic fluid that should stand still.
+struct Creep {
+    double share_at_cap = 0;   // of the volume: viscosity above half its cap
+    double rate = 0;           // [1/s] largest shear rate there: a body at rest would have 0
+    double at_yield = 0;       // [1/s] shear rate at which the stress reaches half the yield stress
+};
+Creep creep_of(const FluidLaw& law, int fluid, const Particles& particles);
 
 }  // namespace undertow::sph

@@ -1,0 +1,87 @@
+// Viscoplastic bodies that come to rest, or never leave it.
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes.hpp"
+#include "sph_solver/physics/stable_step.hpp"
+#include "sph_solver/physics/viscosity_plan.hpp"
+
+using namespace undertow;
+using namespace undertow::sph;
+
+namespace {
+
+constexpr double dx = 0.01, height = 0.1, width = 0.2, rho = 1600, g = 9.81;   // SI
+
+/// Half a heap on a floor that holds it, beside a plane of symmetry.
+Case heap(double yield_stress, ViscositySolver solver, ViscousForm form) {
+    Case input = scenes::water_box(dx, {width, dx, height}, 2);
+    Fluid& f = input.sph.fluid[0];
+    f.density = rho, f.viscosity = 0;
+    f.yield_stress = yield_stress, f.consistency = 20;
+    input.sph.smoothing_ratio = 1.5;
+    input.sph.viscosity_solver = solver;
+    input.sph.viscous_form = form;
+    input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1}, Slip::no_slip),
+                       scenes::plane("middle", {0, 0, 0}, {1, 0, 0})};
+    return input;
+}
+
+FluidSystem run(const Case& input, double end) {
+    FluidSystem fluid(input, 0.4);
+    double t = 0, before = 0;
+    Health health = fluid.health();
+    while (t < end) {
+        const double c0 = fluid.largest_sound_speed();
+        const double stable = stable_step({fluid.physics().h, c0, health.max_speed,
+                                           health.max_acceleration, health.max_kinematic_viscosity},
+                                          acoustic_cfl(input.sph), input.sph.force_cfl).dt;
+        const double dt = before > 0 ? std::min(stable, 1.05 * before) : stable;
+        health = scenes::two_pass_step(fluid, t, dt, before);
+        before = dt;
+    }
+    return fluid;
+}
+
+double runout(const FluidSystem& fluid) {
+    double far = 0;
+    for (const double x : fluid.particles.x) far = std::max(far, x + dx / 2);
+    return far;
+}
+
+}  // namespace
+
+TEST_CASE("a slow heap comes to rest as h^2 = 2 tau_y/(rho g) (L - x)") {
+    const double tau_y = 100, a = 2 * tau_y / (rho * g);
+    const FluidSystem fluid = run(heap(tau_y, ViscositySolver::implicit, ViscousForm::strain), 4);
+    // of the same volume: 2/3 sqrt(a) L^(3/2) = height width
+    const double L = std::pow(1.5 * height * width / std::sqrt(a), 2.0 / 3);
+    INFO("runout " << runout(fluid) << ", exact " << L);
+    // the exact profile is that of a thin layer whose tip is thinner than a particle
+    CHECK(runout(fluid) == Approx(L).epsilon(0.05));
+    double error = 0, size = 0;
+    for (double x = dx; x < 0.85 * L; x += dx) {
+        double volume = 0;   // of a column two spacings wide
+        for (std::size_t i = 0; i < fluid.particles.size(); ++i)
+            if (std::abs(fluid.particles.x[i] - x) < dx) volume += dx * dx;
+        const double exact = std::sqrt(a * (L - x)), h = volume / (2 * dx);
+        error += (h - exact) * (h - exact), size += exact * exact;
+    }
+    INFO("profile off by " << std::sqrt(error / size));
+    CHECK(std::sqrt(error / size) < 0.1);
+}
+
+TEST_CASE("a block that its yield stress carries stands, where the capped explicit one spreads") {
+    const double tau_y = 2000;   // half of rho g height is 785 Pa
+    const FluidSystem stands = run(heap(tau_y, ViscositySolver::implicit, ViscousForm::strain), 0.5);
+    const FluidSystem spreads =
+        run(heap(tau_y, ViscositySolver::explicit_sums, ViscousForm::laplacian), 0.5);
+    CHECK(runout(stands) < width + 0.1 * dx);
+    CHECK(runout(spreads) > width + 3 * dx);
+    const Creep creep = creep_of(stands.fluid(), 0, stands.particles);
+    CHECK(creep.share_at_cap > 0.1);
+    CHECK(creep.rate < 0.1);   // [1/s]
+}
