@@ -7,6 +7,7 @@
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/setup/fill.hpp"
+#include "sph_solver/physics/free_surface.hpp"
 #include "sph_solver/physics/wall_friction.hpp"
 #include "wire/errors.hpp"
 
@@ -25,6 +26,8 @@ PairPhysics resolve_physics(const Case& input) {
     p.dimension = input.info.dimension;
     p.artificial_viscosity = input.sph.artificial_viscosity;
     p.density_diffusion = input.sph.density_diffusion;
+    p.shifting = input.sph.shifting;
+    p.tension_control = input.sph.tension_control;
     p.gravity = input.info.gravity;
     p.fluids = resolve_fluids(input);
     return p;
@@ -93,6 +96,12 @@ bool FluidSystem::refresh_neighbors(double t) {
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
     find_rubbing();
     surface_.expire();
+    if (physics_.tension_control != TensionControl::none || physics_.shifting > 0) {
+        neighbors_.depth().clear();
+        pack(t);
+        find_free_surface(physics_, neighbors_);
+    }
+    if (physics_.shifting > 0) find_shift(physics_, neighbors_, fastest_, shift_);
     reach_ = 0;
     ++rebuilds_;
     return true;
@@ -115,9 +124,14 @@ void FluidSystem::pack(double t) {
 void FluidSystem::pack_fluid() {
     Packed* records = neighbors_.records().data();
     Particles& s = particles;
-    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_](
+    // a free surface bears no tension
+    const Depth* depth = neighbors_.depth().empty() ? nullptr : neighbors_.depth().data();
+    const Depth torn = physics_.tension_control == TensionControl::floor ? Depth::inside
+                       : std::getenv("TNEAR") ? Depth(atoi(getenv("TNEAR"))) : Depth::loose;
+    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth, torn, tc = physics_.tension_control != TensionControl::none](
                               int i, const FluidLaw& fluid, double mass) {
         s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
+        if (depth && tc && s.p[i] < 0 && depth[i] >= torn) s.p[i] = 0, s.drho[i] = std::max(0.0, s.drho[i]);
         Packed& q = records[i];
         q.x = fixed(s.x[i], fixed.x0);
         q.y = fixed(s.y[i], fixed.y0);
@@ -324,6 +338,8 @@ Vec3 FluidSystem::contact_velocity(int i) const {
 
 void FluidSystem::sum_over_neighbors(Terms terms) {
     undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
+    if (!shift_.empty() && terms != Terms::force)
+        for (std::size_t i = 0; i < particles.size(); ++i) particles.drho_dt[i] += shift_.rate[i];
     if (!surface_.placed()) return;
     if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_);
     surface_.add(physics_, neighbors_, terms, particles);
@@ -395,6 +411,16 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         if (!(v2 + std::abs(s.drho[i]) < 1e300)) worst = std::max(worst, i);
     }
     fastest_ = std::sqrt(speed2);
+    if (!shift_.empty()) {
+#pragma omp parallel for schedule(static)
+        for (int i = 0; i < n; ++i) {
+            s.x[i] += dt * shift_.ux[i];
+            s.y[i] += dt * shift_.uy[i];
+            s.z[i] += dt * shift_.uz[i];
+        }
+        reach_ += shift_.fastest * dt;
+        travelled_ += shift_.fastest * dt;
+    }
     reach_ += fastest_ * dt;
     travelled_ += (fastest_ + surface_.advance(dt)) * dt;
     for (const PlateWall& plate : plates.walls) {

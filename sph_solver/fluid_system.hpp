@@ -12,6 +12,7 @@
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/physics/shifting.hpp"
 #include "sph_solver/setup/start.hpp"
 
 namespace undertow::sph {
@@ -121,6 +122,7 @@ class FluidSystem {
         int particle, plane;
     };
     std::vector<Rubbing> rubbing_;  // particles near no-slip planes
+    Shift shift_;                   // empty where there is none
     std::vector<int> index_;        // identity -> sorted index
     int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild

@@ -177,6 +177,12 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
+    reader.number("shifting", sph.shifting, closed(0, 2));
+    reader.choice<TensionControl>("tension_control", sph.tension_control,
+                                  {{"none", TensionControl::none},
+                                   {"surface", TensionControl::surface},
+                                   {"switched", TensionControl::switched},
+                                   {"floor", TensionControl::floor}});
     reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},

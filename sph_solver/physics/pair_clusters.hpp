@@ -23,7 +23,17 @@ inline Lanes load_cluster(const Packed* records, int first, int last) {
         c.own.vx[k] = q.vx, c.own.vy[k] = q.vy, c.own.vz[k] = q.vz;
         c.own.p[k] = q.p, c.volume[k] = q.volume;
     }
+    c.own.push = c.own.p;
     return c;
+}
+
+/// See TensionControl::switched.
+inline void switch_tension(const PairPhysics& physics, const Neighborhood& neighbors, int first,
+                           Own<float8>& own) {
+    if (physics.tension_control != TensionControl::switched) return;
+    for (int k = 0; k < lanes; ++k)
+        if (neighbors.depth()[first + k] == Depth::inside)
+            own.push[k] = std::abs(own.p[k]);
 }
 
 /// What the lanes of a cluster look up in a Mixture.

@@ -17,6 +17,8 @@ struct PairPhysics {
     int dimension = 3;
     double artificial_viscosity = 0;  // alpha
     double density_diffusion = 0;     // delta
+    double shifting = 0;              // K, see find_shift
+    TensionControl tension_control = TensionControl::none;
     Vec3 gravity{};                   // [m/s2]
     std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
 
