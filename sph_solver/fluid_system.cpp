@@ -8,6 +8,7 @@
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/setup/fill.hpp"
 #include "sph_solver/physics/free_surface.hpp"
+#include "sph_solver/physics/heating.hpp"
 #include "sph_solver/physics/wall_friction.hpp"
 #include "wire/errors.hpp"
 
@@ -96,12 +97,12 @@ bool FluidSystem::refresh_neighbors(double t) {
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
     find_rubbing();
     surface_.expire();
-    if (physics_.tension_control != TensionControl::none || physics_.shifting > 0) {
-        neighbors_.depth().clear();
-        pack(t);
+    if (physics_.tension_control != TensionControl::none || physics_.shifting > 0)
         find_free_surface(physics_, neighbors_);
+    if (physics_.shifting > 0) {
+        pack(t);
+        find_shift(physics_, neighbors_, 0.5 * neighbors_.skin() / std::max(fastest_, 1e-300), shift_);
     }
-    if (physics_.shifting > 0) find_shift(physics_, neighbors_, fastest_, shift_);
     reach_ = 0;
     ++rebuilds_;
     return true;
@@ -124,14 +125,14 @@ void FluidSystem::pack(double t) {
 void FluidSystem::pack_fluid() {
     Packed* records = neighbors_.records().data();
     Particles& s = particles;
-    // a free surface bears no tension
-    const Depth* depth = neighbors_.depth().empty() ? nullptr : neighbors_.depth().data();
-    const Depth torn = physics_.tension_control == TensionControl::floor ? Depth::inside
-                       : std::getenv("TNEAR") ? Depth(atoi(getenv("TNEAR"))) : Depth::loose;
-    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth, torn, tc = physics_.tension_control != TensionControl::none](
+    // Spray bears no tension: it has torn. Its density comes along, or it would thin without end.
+    const bool tears = physics_.tension_control != TensionControl::none && !neighbors_.depth().empty();
+    const Depth* depth = tears ? neighbors_.depth().data() : nullptr;
+    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth](
                               int i, const FluidLaw& fluid, double mass) {
         s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
-        if (depth && tc && s.p[i] < 0 && depth[i] >= torn) s.p[i] = 0, s.drho[i] = std::max(0.0, s.drho[i]);
+        if (depth && s.p[i] < 0 && depth[i] == Depth::loose)
+            s.p[i] = 0, s.drho[i] = std::max(0.0, s.drho[i]);
         Packed& q = records[i];
         q.x = fixed(s.x[i], fixed.x0);
         q.y = fixed(s.y[i], fixed.y0);
@@ -338,8 +339,8 @@ Vec3 FluidSystem::contact_velocity(int i) const {
 
 void FluidSystem::sum_over_neighbors(Terms terms) {
     undertow::sph::sum_over_neighbors(physics_, neighbors_, terms, particles);
-    if (!shift_.empty() && terms != Terms::force)
-        for (std::size_t i = 0; i < particles.size(); ++i) particles.drho_dt[i] += shift_.rate[i];
+    if (!shift_.empty() && terms != Terms::force) shift_.carry_density(particles);
+    if (heated_ && terms != Terms::rate) dissipation(physics_, neighbors_, heating_);
     if (!surface_.placed()) return;
     if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_);
     surface_.add(physics_, neighbors_, terms, particles);
@@ -351,10 +352,9 @@ void FluidSystem::advance_density(double dt) {
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
         const double drho = dt * particles.drho_dt[i];
-        if (heated) {
-            const double rho = fluid_of(i).rho0 + particles.drho[i];
-            particles.energy[i] += particles.p[i] / (rho * rho) * drho;
-        }
+        if (heated)
+            particles.energy[i] += fluid_of(i).compression_work(particles.p[i], particles.drho[i],
+                                                                particles.energy[i], drho);
         particles.drho[i] += drho;
         // a switch to one pass would start from this rate
         particles.rate_before[i] = particles.drho_dt[i];
@@ -393,13 +393,13 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         s.x[i] += dt * s.vx[i];
         s.y[i] += dt * s.vy[i];
         s.z[i] += dt * s.vz[i];
+        if (heated) s.energy[i] += dt * heating_[i];
         if (extrapolate) {
             const double rate = s.drho_dt[i];
             const double drho = dt * (rate + w * (rate - s.rate_before[i]));
-            if (heated) {
-                const double rho = fluid_of(i).rho0 + s.drho[i];
-                s.energy[i] += s.p[i] / (rho * rho) * drho;   // dE = p d(rho)/rho^2, adiabatic
-            }
+            if (heated)
+                s.energy[i] +=
+                    fluid_of(i).compression_work(s.p[i], s.drho[i], s.energy[i], drho);
             s.drho[i] += drho;
             s.rate_before[i] = rate;
         }
@@ -411,18 +411,9 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         if (!(v2 + std::abs(s.drho[i]) < 1e300)) worst = std::max(worst, i);
     }
     fastest_ = std::sqrt(speed2);
-    if (!shift_.empty()) {
-#pragma omp parallel for schedule(static)
-        for (int i = 0; i < n; ++i) {
-            s.x[i] += dt * shift_.ux[i];
-            s.y[i] += dt * shift_.uy[i];
-            s.z[i] += dt * shift_.uz[i];
-        }
-        reach_ += shift_.fastest * dt;
-        travelled_ += shift_.fastest * dt;
-    }
-    reach_ += fastest_ * dt;
-    travelled_ += (fastest_ + surface_.advance(dt)) * dt;
+    if (!shift_.empty()) shift_.move(dt, particles);
+    reach_ += (fastest_ + shift_.fastest) * dt;
+    travelled_ += (fastest_ + shift_.fastest + surface_.advance(dt)) * dt;
     for (const PlateWall& plate : plates.walls) {
         const Vec3& v = plate.velocity;
         reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);

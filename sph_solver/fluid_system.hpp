@@ -109,6 +109,7 @@ class FluidSystem {
     PairPhysics physics_;
     FluidTag tag_;
     bool heated_;                   // some fluid has Gamma0 != 0
+    std::vector<float> heating_;    // by friction [W/kg]; only where heated
     std::vector<std::int64_t> filled_;
     double spacing_;
     MirrorPlanes mirror_;

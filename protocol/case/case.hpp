@@ -46,7 +46,7 @@ struct OutputSettings {
 
 // ---------------------------------------------------------------- [sph]
 enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
-enum class TensionControl { none, surface, switched, floor };
+enum class TensionControl { none, spray, switched };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
 enum class Slip { free_slip, no_slip };
@@ -119,8 +119,10 @@ struct SphSettings {
     double smoothing_ratio = 1.2;        // h/dx; support radius 2h
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
-    double shifting = 0;                 // strength K of particle shifting; 0 = off
-    TensionControl tension_control = TensionControl::none;
+    // negative pressure: "switched" pushes particles inside the fluid by pressure differences and takes
+    // tension from spray, "spray" only the latter (momentum to round-off), "none" lets it clump
+    TensionControl tension_control = TensionControl::switched;
+    double shifting = 0;                 // strength K of particle shifting; 0 = off, typical 10
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
     double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator

@@ -20,6 +20,11 @@ const char* name(Kernel v) {
            : v == Kernel::wendland_c2 ? "wendland_c2"
                                       : "wendland_c4";
 }
+const char* name(TensionControl v) {
+    return v == TensionControl::none    ? "none"
+           : v == TensionControl::spray ? "spray"
+                                        : "switched";
+}
 const char* name(EquationOfState v) {
     return v == EquationOfState::us_up ? "us_up" : "tait";
 }
@@ -100,6 +105,8 @@ void to_json(Json& j, const SphSettings& v) {
          {"smoothing_ratio", v.smoothing_ratio},
          {"density_diffusion", v.density_diffusion},
          {"artificial_viscosity", v.artificial_viscosity},
+         {"tension_control", name(v.tension_control)},
+         {"shifting", v.shifting},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},
          {"cfl", v.cfl},

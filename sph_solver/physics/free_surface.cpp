@@ -9,16 +9,17 @@ namespace {
 
 // Of lambda inside, d. A lattice has 0.72 in its outermost layer and 0.97 in the next (3D, 1.2 dx).
 constexpr double at_surface_2d = 0.75, at_surface_3d = 0.8;
+constexpr double spray = 0.5;
 
 template <class KernelLaw>
 void find_surface(const KernelLaw& kernel, const PairPhysics& physics, Neighborhood& neighbors) {
     const double unit = neighbors.fixed().unit;
     const auto c = pair_constants<float>(physics, physics.fluids[0], unit);
     const double share = physics.dimension == 2 ? at_surface_2d : at_surface_3d;
-    const auto limit =
-        static_cast<float>(share * physics.dimension / (kernel.scale() * unit * unit));
-    static double ls = getenv("LOOSE") ? atof(getenv("LOOSE")) : 0.5;
-    const float loose = ls*physics.dimension / (kernel.scale() * unit * unit);
+    // every particle as large as at rest: a record's volume may not be packed yet
+    const double full =
+        physics.dimension / (kernel.scale() * unit * unit * physics.fluids[0].volume);
+    const auto limit = static_cast<float>(share * full), loose = static_cast<float>(spray * full);
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count(), clusters = lists.clusters();
@@ -32,7 +33,7 @@ void find_surface(const KernelLaw& kernel, const PairPhysics& physics, Neighborh
             const Packed& j = records[*at];
             const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
             const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
-            lambda += (KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume) * r2;
+            lambda += KernelLaw::gradient_factor(r2, c.inverse_h) * r2;
         }
         for (int lane = 0; lane < lanes; ++lane)
             depth[first + lane] = lambda[lane] < loose   ? Depth::loose
@@ -48,7 +49,7 @@ void find_near(const PairPhysics& physics, Neighborhood& neighbors) {
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count(), clusters = lists.clusters();
     std::vector<Depth>& depth = neighbors.depth();
-    const std::vector<Depth> surface = depth;   // to read from while others write
+    const std::vector<Depth> surface = depth;  // to read from while others write
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
         const int first = cluster * lanes;

@@ -8,11 +8,12 @@
 
 namespace undertow::sph {
 
-/// Finds the depth of every particle from the packed records, and stores it in `neighbors`.
-/// lambda_i = sum_j V_j x_ij . (-grad W_ij) is the dimension d inside and d/2 on a plane surface.
-/// Below 0.75 d in 2D and 0.8 d in 3D a particle lies at the surface [Lee et al. 2008: 1.5, 2.4];
-/// whoever sees one of those within 2h is near it [Sun et al. 2018]. Images and dummies complete the
-/// kernel: a wall is no free surface. One sweep over the lists for each of the two.
+/// Finds the depth of every particle from the positions in the records, and stores it in
+/// `neighbors`. lambda_i = sum_j V_j x_ij . (-grad W_ij) is the dimension d inside and d/2 on a
+/// plane surface. Below 0.75 d in 2D and 0.8 d in 3D a particle lies at the surface [Lee et al.
+/// 2008: 1.5, 2.4]; below d/2 it is spray or the edge of a jet; whoever sees one of those within 2h
+/// is near the surface [Sun et al. 2018]. Images and dummies complete the kernel: a wall is no free
+/// surface. The coupled surface has no records: what touches it counts as free.
 void find_free_surface(const PairPhysics& physics, Neighborhood& neighbors);
 
 }  // namespace undertow::sph

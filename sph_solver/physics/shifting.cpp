@@ -10,11 +10,13 @@ namespace undertow::sph {
 
 namespace {
 
-constexpr double largest_share = 0.2;   // of the largest speed: |u| at most
+constexpr double largest_share = 1;   // of h |grad v|: |u| at most
+constexpr double stable_share = 0.5;  // of h^2/interval: the diffusion's limit
 
-/// Of one cluster: sums of V F times x_ij, (p_i - p_j) x_ij, x_ij . x_ij, and what is foreign.
+/// Of one cluster: sums of V F times x_ij, (p_i - p_j) x_ij, x_ij . x_ij, v_ij . v_ij; and what is
+/// foreign.
 struct ShiftSums {
-    float8 x{}, y{}, z{}, px{}, py{}, pz{}, lambda{}, foreign{};
+    float8 x{}, y{}, z{}, px{}, py{}, pz{}, lambda{}, v2{}, foreign{};
 };
 
 template <class KernelLaw>
@@ -37,6 +39,8 @@ ShiftSums sum_cluster(const PairConstants<float>& c, const Neighborhood& neighbo
         sum.x += F * dx, sum.y += F * dy, sum.z += F * dz;
         sum.px += p * dx, sum.py += p * dy, sum.pz += p * dz;
         sum.lambda += F * r2;
+        const float8 vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
+        sum.v2 += F * (vx * vx + vy * vy + vz * vz);
         if (mixed) {
             const float8 differ = own - static_cast<float>(FluidTag::of(j));
             sum.foreign += F * (differ * differ);
@@ -47,16 +51,19 @@ ShiftSums sum_cluster(const PairConstants<float>& c, const Neighborhood& neighbo
 
 /// Of one particle.
 struct Drift {
-    double u[3] = {0, 0, 0};        // [m/s]
-    double normal[3] = {0, 0, 0};   // outward, length 1; zero where it is not at the surface
-    double grad_p[3] = {0, 0, 0};   // [Pa/m]
+    double u[3] = {0, 0, 0};       // [m/s]
+    double normal[3] = {0, 0, 0};  // outward, length 1; zero where it is not at the surface
+    double grad_p[3] = {0, 0, 0};  // [Pa/m]
 };
 
-/// to_sum [1/(m^d unit)]: of the sums over x_ij, times a length gives grad.
+/// From the sums of the pair loop to SI.
 struct DriftScale {
-    double to_sum, to_lambda;
-    double strength;   // K 2h U [m2/s]
-    double largest;    // [m/s]
+    double to_sum;     // of sums of V F x_ij [1/(m^d unit)]
+    double to_lambda;  // of sums of V F x_ij . x_ij [1/(m^d unit^2)]
+    double strength;   // K 2 h^2 [m2]
+    double to_v2;      // of sums of V F v_ij . v_ij [1/m^(d+2)]
+    double largest;    // of u over |grad v| [m]
+    double stable;     // largest strength |grad v| [m2/s]
     int dimension;
 };
 
@@ -65,35 +72,42 @@ Drift drift_of(const DriftScale& scale, const ShiftSums& s, int k, Depth depth) 
     if (depth == Depth::loose || s.foreign[k] > 0) return of;
     const double x[3] = {s.x[k], s.y[k], s.z[k]}, p[3] = {s.px[k], s.py[k], s.pz[k]};
     const double complete = scale.dimension / (scale.to_lambda * s.lambda[k]);
+    const double gamma = std::sqrt(scale.to_v2 * s.v2[k]);
+    const double strength = std::min(scale.strength * gamma, scale.stable);
     double length2 = 0;
     for (int a = 0; a < 3; ++a) {
-        of.u[a] = scale.strength * scale.to_sum * x[a];   // -grad W = scale F x
+        of.u[a] = strength * scale.to_sum * x[a];  // -grad W = scale F x
         of.grad_p[a] = complete * scale.to_sum * p[a];
         length2 += of.u[a] * of.u[a];
     }
     const double length = std::sqrt(length2);
     if (depth == Depth::surface && length > 0)
         for (int a = 0; a < 3; ++a) of.normal[a] = of.u[a] / length;
-    if (length > scale.largest)
-        for (double& u : of.u) u *= scale.largest / length;
+    if (length > scale.largest * gamma)
+        for (double& u : of.u) u *= scale.largest * gamma / length;
     return of;
 }
 
 template <class KernelLaw>
 void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
-          double largest_speed, Shift& shift) {
+          double interval, Shift& shift) {
     const double unit = neighbors.fixed().unit;
     const auto c = pair_constants<float>(physics, physics.fluids[0], unit);
-    const DriftScale scale{kernel.scale() * unit, kernel.scale() * unit * unit,
-                           physics.shifting * 2 * physics.h * largest_speed,
-                           largest_share * largest_speed, physics.dimension};
+    const DriftScale scale{kernel.scale() * unit,
+                           kernel.scale() * unit * unit,
+                           physics.shifting * 2 * physics.h * physics.h,
+                           kernel.scale(),
+                           largest_share * physics.h,
+                           stable_share * physics.h * physics.h / interval,
+                           physics.dimension};
     const double reach = 2 * physics.h / unit;
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const std::vector<Depth>& depth = neighbors.depth();
     const int n = neighbors.fluid_count(), clusters = lists.clusters();
     const bool mixed = physics.fluids.size() > 1;
-    shift.resize(std::size_t(clusters) * lanes);
+    for (auto* a : {&shift.ux, &shift.uy, &shift.uz, &shift.rate})
+        a->resize(std::size_t(clusters) * lanes);
     std::vector<Drift> drift(shift.ux.size());
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
@@ -136,11 +150,26 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhoo
 
 }  // namespace
 
-void find_shift(const PairPhysics& physics, const Neighborhood& neighbors, double largest_speed,
+void Shift::move(double dt, Particles& p) const {
+    const int n = static_cast<int>(p.size());
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; ++i) {
+        p.x[i] += dt * ux[i];
+        p.y[i] += dt * uy[i];
+        p.z[i] += dt * uz[i];
+    }
+}
+
+void Shift::carry_density(Particles& p) const {
+    const int n = static_cast<int>(p.size());
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; ++i) p.drho_dt[i] += rate[i];
+}
+
+void find_shift(const PairPhysics& physics, const Neighborhood& neighbors, double interval,
                 Shift& shift) {
-    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        find(kernel, physics, neighbors, largest_speed, shift);
-    });
+    with_kernel(physics.kernel, physics.h, physics.dimension,
+                [&](const auto& kernel) { find(kernel, physics, neighbors, interval, shift); });
 }
 
 }  // namespace undertow::sph

@@ -1,12 +1,15 @@
 // What tension control, shifting and gradient correction gain, and cost, in flows that are known:
 //
-//   patch     a rotating square of water in 2D, free on all sides [Colagrossi 2005]: the pressure inside
+//   patch     a rotating square of water in 2D, free on all sides [Colagrossi 2005]: the pressure
+//   inside
 //             is negative. Inviscid: kinetic energy and angular momentum stay.
-//   vortices  a cell of Taylor-Green vortices between free-slip planes, Re given, negative pressure in the
+//   vortices  a cell of Taylor-Green vortices between free-slip planes, Re given, negative pressure
+//   in the
 //             corners: energy decays with exp(-4 nu k^2 t), k = pi/L.
 //
-//   bench_sph_disorder SCENE N T [KEY=VALUE ...]      N particles along an edge, T [rotations or L/U]
-//   keys: tension, shifting, correction, kernel, h (over dx), delta, alpha, re, cfl
+//   bench_sph_disorder SCENE N T [KEY=VALUE ...]      N particles along an edge, T [rotations or
+//   L/U] keys: tension, shifting, jitter (over dx), kernel (c2, c4, cubic), h (over dx), delta,
+//   alpha, re, cfl
 
 #include <sys/resource.h>
 
@@ -46,7 +49,7 @@ double patch_pressure(double x, double z) {
 
 struct Scene {
     bool patch;
-    double speed;   // [m/s] largest of the start
+    double speed;  // [m/s] largest of the start
     Case input;
 };
 
@@ -71,9 +74,8 @@ Scene make_scene(const std::string& name, int n, std::map<std::string, std::stri
     if (keys["kernel"] == "cubic") c.sph.kernel = Kernel::cubic_spline;
     if (keys["kernel"] == "c4") c.sph.kernel = Kernel::wendland_c4;
     const std::map<std::string, TensionControl> tension{{"none", TensionControl::none},
-                                                        {"surface", TensionControl::surface},
-                                                        {"switched", TensionControl::switched},
-                                                        {"floor", TensionControl::floor}};
+                                                        {"spray", TensionControl::spray},
+                                                        {"switched", TensionControl::switched}};
     if (keys.count("tension")) c.sph.tension_control = tension.at(keys["tension"]);
     Fluid water;
     water.name = "water";
@@ -87,14 +89,17 @@ Scene make_scene(const std::string& name, int n, std::map<std::string, std::stri
     scene.speed = scene.patch ? std::sqrt(0.5) : 1;
     c.sph.max_speed = scene.speed;
     if (!scene.patch)
-        c.sph.plane = {{"floor", {0, 0, 0}, {0, 0, 1}, {}}, {"left", {0, 0, 0}, {1, 0, 0}, {}},
-                       {"roof", {0, 0, 1}, {0, 0, -1}, {}}, {"right", {1, 0, 0}, {-1, 0, 0}, {}}};
+        c.sph.plane = {{"floor", {0, 0, 0}, {0, 0, 1}, {}},
+                       {"left", {0, 0, 0}, {1, 0, 0}, {}},
+                       {"roof", {0, 0, 1}, {0, 0, -1}, {}},
+                       {"right", {1, 0, 0}, {-1, 0, 0}, {}}};
     return scene;
 }
 
 void set_state(const Scene& scene, FluidSystem& fluid, double jitter) {
     Particles& s = fluid.particles;
-    // a lattice in a straining flow stays symmetric, and shifting has nothing to see, until it breaks
+    // a lattice in a straining flow stays symmetric, and shifting has nothing to see, until it
+    // breaks
     std::mt19937 random(7);
     std::uniform_real_distribution<double> in(-jitter * fluid.spacing(), jitter * fluid.spacing());
     for (std::size_t i = 0; i < s.size(); ++i) s.x[i] += in(random), s.z[i] += in(random);
@@ -114,12 +119,12 @@ void set_state(const Scene& scene, FluidSystem& fluid, double jitter) {
 }
 
 struct Measured {
-    double kinetic = 0, angular = 0, px = 0, pz = 0;   // sums over particles, per mass
-    double speed = 0, deviation = 0;                   // largest [m/s], [-]
-    double center = 0;                                 // mean p within 0.1 of the center [Pa]
-    double clumped = 0;   // share of particles with a neighbor closer than 0.6 dx
-    double velocity_error = 0;   // root mean square, vortices, over the largest speed now
-    double spread = 0;    // standard deviation of the distance to the nearest over dx
+    double kinetic = 0, angular = 0, px = 0, pz = 0;  // sums over particles, per mass
+    double speed = 0, deviation = 0;                  // largest [m/s], [-]
+    double center = 0;                                // mean p within 0.1 of the center [Pa]
+    double clumped = 0;         // share of particles with a neighbor closer than 0.6 dx
+    double velocity_error = 0;  // root mean square, vortices, over the largest speed now
+    double spread = 0;          // standard deviation of the distance to the nearest over dx
 };
 
 Measured measure(const Scene& scene, const FluidSystem& fluid, double t, double nu) {
@@ -214,7 +219,6 @@ int main(int argc, char** argv) {
             break;
         }
         before = dt, t += dt, due = true, ++steps;
-        if (keys.count("trace") && steps % 50 == 0) std::printf("%lld t %g dt %g a %g v %g\n", (long long)steps, t, dt, health.max_acceleration, health.max_speed);
     }
     std::printf("%lld steps, %.2f M particle-steps/s\n", static_cast<long long>(steps),
                 double(steps) * double(fluid.particles.size()) / (cpu_seconds() - start) * 1e-6);
