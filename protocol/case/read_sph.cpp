@@ -176,8 +176,8 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
          {"wendland_c4", Kernel::wendland_c4}});
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
-    reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 30));
-    reader.number("shifting", sph.shifting, closed(0, 200));
+    reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
+    reader.number("shifting", sph.shifting, closed(0, 30));
     reader.choice<TensionControl>("tension_control", sph.tension_control,
                                   {{"none", TensionControl::none},
                                    {"spray", TensionControl::spray},
@@ -188,7 +188,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                                {"one_pass", Integrator::one_pass},
                                {"two_pass", Integrator::two_pass}});
     // Up to the stability limit of the two-pass scheme, c0 dt/dx = 1.74, with h >= 0.8 dx.
-    reader.number("cfl", sph.cfl, closed(0, 200));
+    reader.number("cfl", sph.cfl, closed(0, 2));
     reader.number("force_cfl", sph.force_cfl, above_up_to(0, 1));
     reader.number("max_speed", sph.max_speed, at_least(0, "m/s"));
     Box domain;
