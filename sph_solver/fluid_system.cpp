@@ -9,6 +9,8 @@
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/kernels/lattice_moment.hpp"
 #include "sph_solver/setup/fill.hpp"
+#include "sph_solver/physics/free_surface.hpp"
+#include "sph_solver/physics/heating.hpp"
 #include "sph_solver/physics/viscosity_plan.hpp"
 #include "sph_solver/physics/wall_friction.hpp"
 #include "wire/errors.hpp"
@@ -31,6 +33,8 @@ PairPhysics resolve_physics(const Case& input) {
     p.artificial_viscosity = input.sph.artificial_viscosity;
     p.density_diffusion = input.sph.density_diffusion;
     p.gravity = balanced_gravity(input);
+    p.shifting = input.sph.shifting;
+    p.tension_control = input.sph.tension_control;
     p.fluids = resolve_fluids(input);
     double c0 = 0;
     for (const FluidLaw& f : p.fluids) c0 = std::max(c0, f.c0);
@@ -101,8 +105,8 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
 bool FluidSystem::lists_hold(double t) {
     const bool images = surface_.placed();
     if (images && reach_ > along_surface * spacing_) return false;
-    // who passes an opening is noticed at the next rebuild only
-    if (openings_.any() && 2 * reach_ > neighbors_.skin()) return false;
+    // who passes an opening is noticed at the next rebuild only, and shifts are found there
+    if ((openings_.any() || !shift_.empty()) && 2 * reach_ > neighbors_.skin()) return false;
     switch (neighbors_.wear(reach_, plate_reach_)) {
         case Neighborhood::Wear::none: return true;
         case Neighborhood::Wear::out: return false;
@@ -150,6 +154,12 @@ bool FluidSystem::refresh_neighbors(double t) {
     find_near_planes();
     no_slip_.find(neighbors_, mirror_, physics_.fluids, particles);
     surface_.expire();
+    if (physics_.tension_control != TensionControl::none || physics_.shifting > 0)
+        find_free_surface(physics_, neighbors_);
+    if (physics_.shifting > 0) {
+        pack(t);
+        find_shift(physics_, neighbors_, 0.5 * neighbors_.skin() / std::max(fastest_, 1e-300), shift_);
+    }
     reach_ = plate_reach_ = 0;
     ++rebuilds_;
     return true;
@@ -180,9 +190,14 @@ void FluidSystem::pack(double t) {
 void FluidSystem::pack_fluid() {
     Packed* records = neighbors_.records().data();
     Particles& s = particles;
-    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_](
+    // Spray bears no tension: it has torn. Its density comes along, or it would thin without end.
+    const bool tears = physics_.tension_control != TensionControl::none && !neighbors_.depth().empty();
+    const Depth* depth = tears ? neighbors_.depth().data() : nullptr;
+    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth](
                               int i, const FluidLaw& fluid, double mass) {
         s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
+        if (depth && s.p[i] < 0 && depth[i] == Depth::loose)
+            s.p[i] = 0, s.drho[i] = std::max(0.0, s.drho[i]);
         Packed& q = records[i];
         q.x = fixed(s.x[i], fixed.x0);
         q.y = fixed(s.y[i], fixed.y0);
@@ -421,6 +436,8 @@ void FluidSystem::sum_over_neighbors(Terms terms) {
     undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, terms, particles);
     if (terms != Terms::rate)
         no_slip_.take_wall_viscosity(physics_.fluids, mirror_, spacing_, particles);
+    if (!shift_.empty() && terms != Terms::force) shift_.carry_density(particles);
+    if (heated_ && terms != Terms::rate) dissipation(physics_, neighbors_, heating_);
     if (!surface_.placed()) return;
     if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_);
     surface_.add(physics_, neighbors_, terms, particles);
@@ -432,10 +449,9 @@ void FluidSystem::advance_density(double dt) {
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
         const double drho = dt * particles.drho_dt[i];
-        if (heated) {
-            const double rho = fluid_of(i).rho0 + particles.drho[i];
-            particles.energy[i] += particles.p[i] / (rho * rho) * drho;
-        }
+        if (heated)
+            particles.energy[i] += fluid_of(i).compression_work(particles.p[i], particles.drho[i],
+                                                                particles.energy[i], drho);
         particles.drho[i] += drho;
         // a switch to one pass would start from this rate
         particles.rate_before[i] = particles.drho_dt[i];
@@ -486,13 +502,13 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         s.x[i] += dt * s.vx[i];
         s.y[i] += dt * s.vy[i];
         s.z[i] += dt * s.vz[i];
+        if (heated) s.energy[i] += dt * heating_[i];
         if (extrapolate) {
             const double rate = s.drho_dt[i];
             const double drho = dt * (rate + w * (rate - s.rate_before[i]));
-            if (heated) {
-                const double rho = fluid_of(i).rho0 + s.drho[i];
-                s.energy[i] += s.p[i] / (rho * rho) * drho;   // dE = p d(rho)/rho^2, adiabatic
-            }
+            if (heated)
+                s.energy[i] +=
+                    fluid_of(i).compression_work(s.p[i], s.drho[i], s.energy[i], drho);
             s.drho[i] += drho;
             s.rate_before[i] = rate;
         }
@@ -504,8 +520,9 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         if (!(v2 + std::abs(s.drho[i]) < 1e300)) worst = std::max(worst, i);
     }
     fastest_ = std::sqrt(speed2);
-    reach_ += fastest_ * dt;
-    travelled_ += (fastest_ + surface_.advance(dt)) * dt;
+    if (!shift_.empty()) shift_.move(dt, particles);
+    reach_ += (fastest_ + shift_.fastest) * dt;
+    travelled_ += (fastest_ + shift_.fastest + surface_.advance(dt)) * dt;
     return {fastest_, std::sqrt(a2), compression / rho0, viscous_limit(), worst < 0, worst};
 }
 

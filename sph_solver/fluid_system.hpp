@@ -16,6 +16,7 @@
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/implicit_viscosity.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/physics/shifting.hpp"
 #include "sph_solver/setup/start.hpp"
 
 namespace undertow::sph {
@@ -135,6 +136,7 @@ class FluidSystem {
     Vec3 gravity_;                  // [m/s2]
     FluidTag tag_;
     bool heated_;                   // some fluid has Gamma0 != 0
+    std::vector<float> heating_;    // by friction [W/kg]; only where heated
     std::vector<std::int64_t> filled_;
     double spacing_;
     MirrorPlanes mirror_;
@@ -153,6 +155,7 @@ class FluidSystem {
     };
     std::vector<NearPlane> near_planes_, rubbing_;   // all; those that may rub a no-slip one
     bool packed_ = false;           // the records show the present state
+    Shift shift_;                   // empty where there is none
     std::vector<int> index_;        // identity -> sorted index
     int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild

@@ -48,6 +48,7 @@ struct OutputSettings {
 
 // ---------------------------------------------------------------- [sph]
 enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
+enum class TensionControl { none, spray, switched };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
 enum class Slip { free_slip, no_slip };
@@ -163,6 +164,10 @@ struct SphSettings {
     double viscosity_tolerance = 1e-3;   // implicit: unbalanced acceleration over the mean one
     ViscousForm viscous_form = ViscousForm::laplacian;   // "laplacian": div(mu grad v), "strain":
                                          // div(2 mu D), which lets a stiff body turn
+    // negative pressure: "spray" takes it from spray (momentum to round-off), "switched" also pushes
+    // particles inside the fluid by pressure differences, "none" lets all clump
+    TensionControl tension_control = TensionControl::spray;
+    double shifting = 0;                 // strength K of particle shifting; 0 = off, typical 10
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
     double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator

@@ -26,6 +26,11 @@ const char* name(Kernel v) {
            : v == Kernel::wendland_c2 ? "wendland_c2"
                                       : "wendland_c4";
 }
+const char* name(TensionControl v) {
+    return v == TensionControl::none    ? "none"
+           : v == TensionControl::spray ? "spray"
+                                        : "switched";
+}
 const char* name(EquationOfState v) {
     return v == EquationOfState::us_up ? "us_up" : "tait";
 }
@@ -149,6 +154,8 @@ void to_json(Json& j, const SphSettings& v) {
          {"viscosity_solver", name(v.viscosity_solver)},
          {"viscosity_tolerance", v.viscosity_tolerance},
          {"viscous_form", name(v.viscous_form)},
+         {"tension_control", name(v.tension_control)},
+         {"shifting", v.shifting},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},
          {"cfl", v.cfl},

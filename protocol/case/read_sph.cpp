@@ -210,6 +210,11 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.choice<ViscousForm>(
         "viscous_form", sph.viscous_form,
         {{"laplacian", ViscousForm::laplacian}, {"strain", ViscousForm::strain}});
+    reader.number("shifting", sph.shifting, closed(0, 30));
+    reader.choice<TensionControl>("tension_control", sph.tension_control,
+                                  {{"none", TensionControl::none},
+                                   {"spray", TensionControl::spray},
+                                   {"switched", TensionControl::switched}});
     reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},

@@ -20,6 +20,14 @@ struct Extra {
     bool from_plate;
 };
 
+/// Where a particle lies, see find_free_surface.
+enum class Depth : std::uint8_t {
+    inside,
+    near_surface,   // within 2h of one at the surface
+    surface,
+    loose,          // spray, jets: less than half of its neighbors
+};
+
 using FluidBits = std::uint8_t;   // bit k: fluid k
 
 class Neighborhood {
@@ -70,6 +78,9 @@ class Neighborhood {
     /// Viscosity of each record [Pa s], [records]; empty where no fluid is viscoplastic.
     std::vector<float>& viscosity() { return viscosity_; }
     const std::vector<float>& viscosity() const { return viscosity_; }
+    /// Of each particle as of the last rebuild, padded to full clusters; empty where nobody asks.
+    std::vector<Depth>& depth() { return depth_; }
+    const std::vector<Depth>& depth() const { return depth_; }
     int first_extra() const { return fluid_count_; }
 
     /// Calls f(record index) for every record whose cell is within `range` of the point.
@@ -114,6 +125,7 @@ class Neighborhood {
     std::vector<ClusterFluids> fluids_;        // [clusters]
     std::vector<FluidBits> record_fluid_;      // one bit, none for a dummy, [records]
     std::vector<float> viscosity_, scratch_float_;
+    std::vector<Depth> depth_;
 };
 
 }  // namespace undertow::sph

@@ -26,6 +26,13 @@ struct FluidLaw {
         return equation_of_state == EquationOfState::us_up ? us_up(drho, energy)
                                                            : tait(drho, energy);
     }
+    /// Internal energy gained while the density deviation rises by `step`: -p dV by the trapezoidal
+    /// rule, the pressure at the end by the energy that the pressure p of the start gives.  [J/kg]
+    double compression_work(double p, double drho, double energy, double step) const {
+        const double volumes = step / ((rho0 + drho) * (rho0 + drho + step));   // [m3/kg]
+        const double p_end = pressure(drho + step, energy + p * volumes);
+        return 0.5 * (p + p_end) * volumes;
+    }
     double deviation_at(double p) const {
         return equation_of_state == EquationOfState::us_up ? density_deviation(us_up, p)
                                                            : density_deviation(tait, p);

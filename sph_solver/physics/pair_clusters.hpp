@@ -23,7 +23,20 @@ inline Lanes load_cluster(const Packed* records, int first, int last) {
         c.own.vx[k] = q.vx, c.own.vy[k] = q.vy, c.own.vz[k] = q.vz;
         c.own.p[k] = q.p, c.volume[k] = q.volume;
     }
+    c.own.push = c.own.p;
     return c;
+}
+
+/// Inside the fluid a particle under tension is pushed by p_j - p_i = p_j + |p_i| instead of p_j + p_i:
+/// the same gradient, without the pull that makes particles clump.  [Sun, Colagrossi, Marrone, Antuono,
+/// Zhang 2018, Eq. 14]  The two forces of such a pair are not opposite: what is left is
+/// -2 p_i V_i sum_j V_j grad W_ij, zero where neighbors are evenly spread.
+inline void switch_tension(const PairPhysics& physics, const Neighborhood& neighbors, int first,
+                           Own<float8>& own) {
+    if (physics.tension_control != TensionControl::switched) return;
+    for (int k = 0; k < lanes; ++k)
+        if (neighbors.depth()[first + k] == Depth::inside)
+            own.push[k] = std::abs(own.p[k]);
 }
 
 /// What the lanes of a cluster look up in a Mixture.
@@ -32,13 +45,13 @@ struct MixedLanes {
     Meeting<float8> with[FluidTag::most];  // by the fluid of j
 };
 
-/// mu: viscosities of the records, or null where they are constant.
+/// mu: viscosities of the records, or null where they are constant. tagged: records name their fluids.
 inline void look_up(const Mixture<float>& mixture, const Packed* records, const float* mu,
-                    int first, int last, Own<float8>& own, MixedLanes& m) {
+                    int first, int last, Own<float8>& own, MixedLanes& m, bool tagged = true) {
     m.factors.gradient = mixture.gradient, m.factors.viscous = mixture.viscous;
     for (int k = 0; k < lanes; ++k) {
         const int i = std::min(first + k, last - 1);
-        const auto fluid = FluidTag::of(records[i]);
+        const auto fluid = tagged ? FluidTag::of(records[i]) : 0;
         own.rho0[k] = mixture.rho0[fluid];
         own.mu[k] = mu ? mu[i] : 0;
         m.factors.diffusive[k] = mixture.diffusive[fluid];

@@ -25,7 +25,9 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
         const auto fluid = fluid_of(q);
         const Factors<double> k{mixture.gradient, mixture.viscous, mixture.diffusive[fluid],
                                 mixture.per_mass[fluid]};
-        const Own<double> own{q.vx, q.vy, q.vz, q.p, mixture.rho0[fluid], viscosity_of(i)};
+        const bool inside = physics.tension_control == TensionControl::switched &&
+                            neighbors.depth()[i] == Depth::inside;
+        const Own<double> own{q.vx, q.vy, q.vz, q.p, inside ? std::abs(q.p) : q.p, mixture.rho0[fluid], viscosity_of(i)};
         PairSums<double> sum;
         ShearSums<double> shear;
         for (std::size_t at = 0; at < records.size(); ++at) {  // no list to be wrong

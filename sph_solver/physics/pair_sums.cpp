@@ -27,13 +27,15 @@ void store_results(const Factors<float, OfOwn>& k, float8 volume, const PairSums
 }
 
 template <class KernelLaw, Terms terms>
-inline void sum_pure_cluster(const PairConstants<float>& c, const Factors<float>& k,
+inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<float>& c,
+                             const Factors<float>& k,
                              const Neighborhood& neighbors, const NoSlipImages& no_slip,
                              int cluster, Particles& particles) {
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes;
-    const Lanes i = load_cluster(records, first, neighbors.fluid_count());
+    Lanes i = load_cluster(records, first, neighbors.fluid_count());
+    if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     PairSums<float8> sum;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
@@ -59,7 +61,7 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<KernelLaw, terms>(c, k, neighbors, no_slip, cluster, particles);
+        sum_pure_cluster<KernelLaw, terms>(physics, c, k, neighbors, no_slip, cluster, particles);
 }
 
 /// Viscosities of the next step, of the viscoplastic ones among the eight.
@@ -83,6 +85,7 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes i = load_cluster(records, first, n);
+    if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     MixedLanes m;
     look_up(mixture, records, mu, first, n, i.own, m);
     PairSums<float8> sum;
@@ -130,7 +133,7 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         switch (content_of(held, met, terms)) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms>(c[f], k[f], neighbors, no_slip, cluster,
+                sum_pure_cluster<KernelLaw, terms>(physics, c[f], k[f], neighbors, no_slip, cluster,
                                                    particles);
                 break;
             }

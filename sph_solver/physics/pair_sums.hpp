@@ -23,6 +23,8 @@ struct PairPhysics {
     double lattice_moment = 1;        // viscous sums are divided by it, see lattice_moment.hpp
     bool implicit_viscosity = false;  // the sums leave the viscous forces out
     ViscousForm viscous_form = ViscousForm::laplacian;
+    double shifting = 0;              // K, see find_shift
+    TensionControl tension_control = TensionControl::none;
     std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
 
     bool viscoplastic() const {

@@ -6,6 +6,7 @@
 //   diffusion       + 2 delta h c0 sum_j V_j [(rho_j - rho_i) - hydrostatic part] (-F)
 //                                                      [Molteni & Colagrossi 2009; Fourtakas 2019]
 //   pressure        dv_i/dt = -1/rho_i sum_j V_j (p_i + p_j) grad_i W_ij   volume-symmetric form of Eq. 6
+//                   under tension inside the fluid with p_j - p_i instead, see switch_tension()
 //   art. viscosity  p_i + p_j gains -alpha h c0 rho0 min(0, v_ij.x_ij)/r^2         [Monaghan 1992]
 //   viscosity       dv_i/dt += 1/rho_i sum_j V_j 2 mu (x_ij . grad_i W_ij)/r^2 v_ij    [Morris 1997]
 //   shear rate      grad v_i = [sum_j V_j (v_j - v_i) grad_i W_ij] [sum_j V_j (x_j - x_i) grad_i W_ij]^-1
@@ -41,6 +42,7 @@ struct PairConstants {
 template <class Real>
 struct Own {
     Real vx, vy, vz, p;
+    Real push;              // p, or -p where tension is switched: what the force takes for p_i
     Real rho0{}, mu{};      // [kg/m3], [Pa s]; unused by one_fluid
 };
 
@@ -100,7 +102,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
     }
     if constexpr (force) {
         const Real closing = negative_part(approach) * reciprocal(r2);
-        Real P = i.p + Scalar(j.p);
+        Real P = i.push + Scalar(j.p);
         Real FV = F;
         if constexpr (mixed) {
             P -= closing * with->shock;

@@ -9,9 +9,11 @@ using namespace undertow::sph;
 
 namespace {
 
-FluidSystem disturbed_blob(Kernel kernel, int dimension) {
+FluidSystem disturbed_blob(Kernel kernel, int dimension,
+                           TensionControl control = TensionControl::switched) {
     Case input = scenes::water_box(0.01, {0.12, 0.1, 0.11}, dimension);
     input.sph.kernel = kernel;
+    input.sph.tension_control = control;
     input.sph.artificial_viscosity = 0.1;
     FluidSystem fluid(input, 0.2);
     scenes::disturb(fluid, 0.15, 1, 2000);
@@ -25,7 +27,8 @@ FluidSystem disturbed_blob(Kernel kernel, int dimension) {
 TEST_CASE("pair forces conserve momentum to round-off") {
     const Kernel kernel =
         GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
-    FluidSystem fluid = disturbed_blob(kernel, GENERATE(2, 3));
+    const TensionControl control = GENERATE(TensionControl::none, TensionControl::spray);
+    FluidSystem fluid = disturbed_blob(kernel, GENERATE(2, 3), control);
     fluid.sum_over_neighbors(Terms::both);
     const Particles& p = fluid.particles;
     double sum[3] = {0, 0, 0}, magnitude = 0;

@@ -1,0 +1,55 @@
+#include "sph_solver/physics/heating.hpp"
+
+#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/pair_clusters.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+template <class KernelLaw>
+void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
+         std::vector<float>& heating) {
+    const double unit = neighbors.fixed().unit;
+    const Mixture<float> mixture(physics, kernel.scale(), unit);
+    const bool variable = physics.viscoplastic(), mixed = physics.mixed();
+    const Packed* records = neighbors.records().data();
+    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const ClusterLists& lists = neighbors.fluid_lists();
+    const int n = neighbors.fluid_count(), clusters = lists.clusters();
+    heating.resize(std::size_t(clusters) * lanes);
+#pragma omp parallel for schedule(dynamic, 32)
+    for (int cluster = 0; cluster < clusters; ++cluster) {
+        const int first = cluster * lanes;
+        Lanes i = load_cluster(records, first, n);
+        MixedLanes m;
+        look_up(mixture, records, mu, first, n, i.own, m, mixed);
+        float8 shock{}, shear{};
+        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+            const Packed& j = records[*at];
+            const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+            const float8 vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
+            const Meeting<float8>& with = m.with[mixed ? FluidTag::of(j) : 0];
+            const float8 r2 = (dx * dx + mixture.constants.tiny) + dy * dy + dz * dz;
+            const float8 F = KernelLaw::gradient_factor(r2, mixture.constants.inverse_h) * j.volume;
+            const float8 closing = negative_part(vx * dx + vy * dy + vz * dz);
+            shock += F * with.shock * (closing * closing) * precise_reciprocal(r2);
+            const float8 pair_mu = variable ? harmonic_mean(i.own.mu, mu[*at]) : with.mu;
+            shear += F * pair_mu * (vx * vx + vy * vy + vz * vz);
+        }
+        const float8 per_rho = i.volume * m.factors.per_mass;
+        const float8 heat =
+            0.5f * per_rho * (m.factors.gradient * shock + m.factors.viscous * shear);
+        for (int k = 0; k < lanes; ++k) heating[first + k] = heat[k];
+    }
+}
+
+}  // namespace
+
+void dissipation(const PairPhysics& physics, const Neighborhood& neighbors,
+                 std::vector<float>& heating) {
+    with_kernel(physics.kernel, physics.h, physics.dimension,
+                [&](const auto& kernel) { sum(kernel, physics, neighbors, heating); });
+}
+
+}  // namespace undertow::sph

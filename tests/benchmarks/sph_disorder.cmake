@@ -1,0 +1,2 @@
+add_executable(bench_sph_disorder ${CMAKE_CURRENT_LIST_DIR}/sph_disorder.cpp)
+target_link_libraries(bench_sph_disorder PRIVATE undertow_sph)
