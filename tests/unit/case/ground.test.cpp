@@ -25,7 +25,7 @@ sph.obstacle = [{ name = "pile", from = [0.5, 0.5, 0], to = [0.5, 0.5, 1], radiu
     CHECK(c.sph.fill[1].profile.size() == 3);
     CHECK(c.sph.fill[1].profile[1][0] == 1);
     CHECK(c.sph.fill[1].ramp == 0.2);
-    CHECK(c.sph.obstacle[0].radius == 0.2);
+    CHECK(c.sph.obstacle[0].shape.radius == 0.2);
 }
 
 TEST_CASE("soil, static water, a rigid body and the contact between them are read") {
