@@ -31,8 +31,8 @@ PairPhysics resolve_physics(const Case& input) {
 }
 
 double kernel_value(const PairPhysics& p, double r) {
-    return p.kernel == Kernel::wendland_c2 ? WendlandC2(p.h, p.dimension).value(r)
-                                           : CubicSpline(p.h, p.dimension).value(r);
+    return with_kernel(p.kernel, p.h, p.dimension,
+                       [&](const auto& kernel) { return kernel.value(r); });
 }
 
 }  // namespace

@@ -11,10 +11,9 @@ namespace undertow::sph {
 namespace {
 
 template <class KernelLaw>
-PointValue interpolate_with(const FluidSystem& fluid, const Vec3& point) {
+PointValue interpolate_with(const KernelLaw& kernel, const FluidSystem& fluid, const Vec3& point) {
     const Neighborhood& near = fluid.neighbors();
     const FixedPoint& fixed = near.fixed();
-    const KernelLaw kernel(fluid.physics().h, fluid.physics().dimension);
     PointValue value{0, 0};
     near.for_each_near(point[0], point[1], point[2], near.support() + fluid.reach(), [&](int j) {
         const Packed& q = near.records()[j];
@@ -45,9 +44,9 @@ bool has_neighbor(const FluidSystem& fluid, std::size_t i) {
 }  // namespace
 
 PointValue interpolate(const FluidSystem& fluid, const Vec3& point) {
-    return fluid.physics().kernel == Kernel::wendland_c2
-               ? interpolate_with<WendlandC2>(fluid, point)
-               : interpolate_with<CubicSpline>(fluid, point);
+    return with_kernel(
+        fluid.physics().kernel, fluid.physics().h, fluid.physics().dimension,
+        [&](const auto& kernel) { return interpolate_with(kernel, fluid, point); });
 }
 
 double front_position(const FluidSystem& fluid, const Vec3& direction) {

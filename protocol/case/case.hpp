@@ -47,7 +47,7 @@ struct OutputSettings {
 };
 
 // ---------------------------------------------------------------- [sph]
-enum class Kernel { cubic_spline, wendland_c2 };
+enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
 enum class FillLattice { square, relaxed };
@@ -144,7 +144,7 @@ struct SphGauge {                        // [[sph.gauge]]
 struct SphSettings {
     bool present = false;                // the case has an [sph] table
     double spacing = 0;                  // [m] dx
-    Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2"
+    Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2", "wendland_c4"
     double smoothing_ratio = 1.2;        // h/dx; support radius 2h
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term

@@ -22,7 +22,9 @@ std::vector<std::string> texts(const std::vector<Expression>& formulas) {
 }
 
 const char* name(Kernel v) {
-    return v == Kernel::cubic_spline ? "cubic_spline" : "wendland_c2";
+    return v == Kernel::cubic_spline  ? "cubic_spline"
+           : v == Kernel::wendland_c2 ? "wendland_c2"
+                                      : "wendland_c4";
 }
 const char* name(EquationOfState v) {
     return v == EquationOfState::us_up ? "us_up" : "tait";

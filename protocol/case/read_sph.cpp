@@ -86,7 +86,9 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     reader.number("spacing", sph.spacing, positive("m"));
     reader.choice<Kernel>(
         "kernel", sph.kernel,
-        {{"cubic_spline", Kernel::cubic_spline}, {"wendland_c2", Kernel::wendland_c2}});
+        {{"cubic_spline", Kernel::cubic_spline},
+         {"wendland_c2", Kernel::wendland_c2},
+         {"wendland_c4", Kernel::wendland_c4}});
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));

@@ -414,10 +414,7 @@ void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbor
         add_pairs(physics, kernel, neighbors, particles);
         if (terms != Terms::rate) add_reactions();
     };
-    if (physics.kernel == Kernel::wendland_c2)
-        sum(WendlandC2(physics.h, physics.dimension));
-    else
-        sum(CubicSpline(physics.h, physics.dimension));
+    with_kernel(physics.kernel, physics.h, physics.dimension, sum);
     for (const Near& k : near_) {
         const int i = k.particle;
         if (terms != Terms::force) particles.drho_dt[i] += static_cast<float>(k.rate);

@@ -8,9 +8,9 @@ namespace undertow::sph {
 namespace {
 
 template <class KernelLaw>
-ReferenceSums reference(const PairPhysics& physics, const Neighborhood& neighbors) {
+ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
+                        const Neighborhood& neighbors) {
     const double unit = neighbors.fixed().unit;
-    const KernelLaw kernel(physics.h, physics.dimension);
     const Mixture<double> mixture(physics, kernel.scale(), unit);
     const auto& records = neighbors.records();
     const bool mixed = physics.mixed(), variable = physics.viscoplastic();
@@ -53,8 +53,9 @@ ReferenceSums reference(const PairPhysics& physics, const Neighborhood& neighbor
 
 ReferenceSums sum_over_neighbors_reference(const PairPhysics& physics,
                                            const Neighborhood& neighbors) {
-    return physics.kernel == Kernel::wendland_c2 ? reference<WendlandC2>(physics, neighbors)
-                                                 : reference<CubicSpline>(physics, neighbors);
+    return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        return reference(kernel, physics, neighbors);
+    });
 }
 
 }  // namespace undertow::sph

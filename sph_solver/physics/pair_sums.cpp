@@ -44,11 +44,11 @@ inline void sum_pure_cluster(const PairConstants<float>& c, const Factors<float>
 }
 
 template <class KernelLaw, Terms terms>
-void sum_clusters(const PairPhysics& physics, const Neighborhood& neighbors, Particles& particles) {
+void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
+                  const Neighborhood& neighbors, Particles& particles) {
     const double unit = neighbors.fixed().unit;
     const FluidLaw& fluid = physics.fluids[0];
     const auto c = pair_constants<float>(physics, fluid, unit);
-    const KernelLaw kernel(physics.h, physics.dimension);
     const auto k = factors<float>(physics, fluid, kernel.scale(), unit);
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
@@ -100,10 +100,9 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
 /// no other.
 template <class KernelLaw, Terms terms>
-void sum_mixed_clusters(const PairPhysics& physics, const Neighborhood& neighbors,
-                        Particles& particles) {
+void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
+                        const Neighborhood& neighbors, Particles& particles) {
     const double unit = neighbors.fixed().unit;
-    const KernelLaw kernel(physics.h, physics.dimension);
     const Mixture<float> mixture(physics, kernel.scale(), unit);
     PairConstants<float> c[FluidTag::most];
     Factors<float> k[FluidTag::most];
@@ -138,33 +137,27 @@ void sum_mixed_clusters(const PairPhysics& physics, const Neighborhood& neighbor
     }
 }
 
-template <class KernelLaw, Terms terms>
-void sum_all(const PairPhysics& physics, const Neighborhood& neighbors, Particles& particles) {
+template <Terms terms, class KernelLaw>
+void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
+             Particles& particles) {
     if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms>(physics, neighbors, particles);
+        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, particles);
     else
-        sum_clusters<KernelLaw, terms>(physics, neighbors, particles);
-}
-
-template <class KernelLaw>
-void dispatch(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
-              Particles& particles) {
-    if (terms == Terms::both)
-        sum_all<KernelLaw, Terms::both>(physics, neighbors, particles);
-    else if (terms == Terms::rate)
-        sum_all<KernelLaw, Terms::rate>(physics, neighbors, particles);
-    else
-        sum_all<KernelLaw, Terms::force>(physics, neighbors, particles);
+        sum_clusters<KernelLaw, terms>(kernel, physics, neighbors, particles);
 }
 
 }  // namespace
 
 void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
                         Particles& particles) {
-    if (physics.kernel == Kernel::wendland_c2)
-        dispatch<WendlandC2>(physics, neighbors, terms, particles);
-    else
-        dispatch<CubicSpline>(physics, neighbors, terms, particles);
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        if (terms == Terms::both)
+            sum_all<Terms::both>(kernel, physics, neighbors, particles);
+        else if (terms == Terms::rate)
+            sum_all<Terms::rate>(kernel, physics, neighbors, particles);
+        else
+            sum_all<Terms::force>(kernel, physics, neighbors, particles);
+    });
 }
 
 }  // namespace undertow::sph

@@ -34,12 +34,11 @@ void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& 
 }
 
 template <class KernelLaw>
-std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborhood& neighbors,
-                                    const MirrorPlanes& mirror) {
+std::vector<double> force_on_planes(const KernelLaw& kernel, const PairPhysics& physics,
+                                    const Neighborhood& neighbors, const MirrorPlanes& mirror) {
     const double unit = neighbors.fixed().unit;
     const FluidLaw& first_fluid = physics.fluids[0];
     const auto c = pair_constants<float>(physics, first_fluid, unit);
-    const KernelLaw kernel(physics.h, physics.dimension);
     const auto k = factors<float>(physics, first_fluid, kernel.scale(), unit);
     const Mixture<float> mixture(physics, kernel.scale(), unit);
     const bool mixed = physics.mixed(), variable = physics.viscoplastic();
@@ -95,9 +94,9 @@ std::vector<double> force_on_planes(const PairPhysics& physics, const Neighborho
 
 std::vector<double> plane_forces(const PairPhysics& physics, const Neighborhood& neighbors,
                                  const MirrorPlanes& mirror) {
-    if (physics.kernel == Kernel::wendland_c2)
-        return force_on_planes<WendlandC2>(physics, neighbors, mirror);
-    return force_on_planes<CubicSpline>(physics, neighbors, mirror);
+    return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        return force_on_planes(kernel, physics, neighbors, mirror);
+    });
 }
 
 }  // namespace undertow::sph

@@ -35,6 +35,8 @@ void check_kernel(int dimension) {
 TEST_CASE("a kernel integrates to one and its gradient factor is the slope of its value") {
     SECTION("Wendland C2 in 3D") { check_kernel<WendlandC2>(3); }
     SECTION("Wendland C2 in 2D") { check_kernel<WendlandC2>(2); }
+    SECTION("Wendland C4 in 3D") { check_kernel<WendlandC4>(3); }
+    SECTION("Wendland C4 in 2D") { check_kernel<WendlandC4>(2); }
     SECTION("cubic spline in 3D") { check_kernel<CubicSpline>(3); }
     SECTION("cubic spline in 2D") { check_kernel<CubicSpline>(2); }
 }
@@ -43,10 +45,12 @@ TEST_CASE("eight lanes give the same gradient factor as one") {
     float8 r2;
     for (int k = 0; k < lanes; ++k) r2[k] = 0.05f + 0.6f * k;
     const float8 wendland = WendlandC2::gradient_factor(r2, 1.0f);
+    const float8 c4 = WendlandC4::gradient_factor(r2, 1.0f);
     const float8 cubic = CubicSpline::gradient_factor(r2, 1.0f);
     for (int k = 0; k < lanes; ++k) {
         // one fused multiply-add more or less
         CHECK(wendland[k] == Approx(WendlandC2::gradient_factor(r2[k], 1.0f)).epsilon(1e-6));
+        CHECK(c4[k] == Approx(WendlandC4::gradient_factor(r2[k], 1.0f)).epsilon(1e-6));
         CHECK(cubic[k] == Approx(CubicSpline::gradient_factor(r2[k], 1.0f)).epsilon(1e-6));
     }
 }

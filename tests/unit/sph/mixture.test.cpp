@@ -39,7 +39,8 @@ struct Largest {
 }  // namespace
 
 TEST_CASE("pair forces between two fluids conserve momentum to round-off") {
-    const Kernel kernel = GENERATE(Kernel::wendland_c2, Kernel::cubic_spline);
+    const Kernel kernel =
+        GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
     const bool viscoplastic = GENERATE(false, true);
     FluidSystem fluid = disturbed_layers(kernel, GENERATE(2, 3), viscoplastic);
     const Particles& p = fluid.particles;
@@ -56,7 +57,8 @@ TEST_CASE("pair forces between two fluids conserve momentum to round-off") {
 }
 
 TEST_CASE("the fast sums over two fluids agree with the reference in double precision") {
-    const Kernel kernel = GENERATE(Kernel::wendland_c2, Kernel::cubic_spline);
+    const Kernel kernel =
+        GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
     const bool viscoplastic = GENERATE(false, true);
     FluidSystem fluid = disturbed_layers(kernel, GENERATE(2, 3), viscoplastic);
     fluid.pack(0);

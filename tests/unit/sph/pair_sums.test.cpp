@@ -23,7 +23,8 @@ FluidSystem disturbed_blob(Kernel kernel, int dimension) {
 }  // namespace
 
 TEST_CASE("pair forces conserve momentum to round-off") {
-    const Kernel kernel = GENERATE(Kernel::wendland_c2, Kernel::cubic_spline);
+    const Kernel kernel =
+        GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
     FluidSystem fluid = disturbed_blob(kernel, GENERATE(2, 3));
     fluid.sum_over_neighbors(Terms::both);
     const Particles& p = fluid.particles;
@@ -38,7 +39,8 @@ TEST_CASE("pair forces conserve momentum to round-off") {
 }
 
 TEST_CASE("the fast sums agree with the reference in double precision") {
-    const Kernel kernel = GENERATE(Kernel::wendland_c2, Kernel::cubic_spline);
+    const Kernel kernel =
+        GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
     FluidSystem fluid = disturbed_blob(kernel, GENERATE(2, 3));
     fluid.sum_over_neighbors(Terms::both);
     const auto [rate, a, shear] = sum_over_neighbors_reference(fluid.physics(), fluid.neighbors());
