@@ -25,7 +25,7 @@ PairPhysics resolve_physics(const Case& input) {
     p.dimension = input.info.dimension;
     p.artificial_viscosity = input.sph.artificial_viscosity;
     p.density_diffusion = input.sph.density_diffusion;
-    p.gravity = input.info.gravity;
+    p.gravity = balanced_gravity(input);
     p.fluids = resolve_fluids(input);
     return p;
 }
@@ -39,12 +39,14 @@ double kernel_value(const PairPhysics& p, double r) {
 
 FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     : physics_(resolve_physics(input)),
+      gravity_(input.info.gravity),
       tag_(physics_.mixed()),
       heated_(std::any_of(physics_.fluids.begin(), physics_.fluids.end(),
                           [](const FluidLaw& f) { return f.us_up.gamma0 != 0; })),
       filled_(physics_.fluids.size(), 0),
       spacing_(input.sph.spacing),
-      mirror_(input.sph.plane),
+      mirror_(input.sph.plane,
+              Periodic(input.sph.periodic, input.sph.domain, 2 * physics_.h)),
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain) {
@@ -84,6 +86,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     list_age_ = 0;
     keep_inside();
     plates.move_to(t);
+    wrap_plates();
     neighbors_.rebuild(particles, plates, mirror_);
     if (physics_.mixed()) neighbors_.find_fluids(particles);
     for (std::size_t i = 0; i < particles.size(); ++i)
@@ -308,6 +311,18 @@ void FluidSystem::add_wall_friction() {
 }
 
 void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
+    for (const Periodic::Axis& a : periodic().axes())
+        for (const std::int32_t node : quad) {
+            const double at = x[3 * std::size_t(node) + a.axis];
+            const double room = std::min(at - a.low, a.low + a.length - at);
+            if (room >= support()) continue;
+            throw InputError(fmt::format(
+                "sph.periodic: the coupled surface reaches {0} = {1:.6g} m, {2:.4g} m from a face "
+                "of the period; it must stay {3:.4g} m, the support of the kernel, inside, "
+                "because contact does not see across the face: enlarge sph.domain along {0} or "
+                "take \"{0}\" out of sph.periodic.",
+                std::string(1, "xyz"[a.axis]), at, room, support()));
+        }
     if (with_surface_images_) surface_.place(std::move(quad), std::move(x));
 }
 
@@ -347,7 +362,7 @@ void FluidSystem::advance_density(double dt) {
 
 void FluidSystem::constrain_start(double t, double dt, double dt_before) {
     if (start_->active(t))
-        start_->constrain(t, dt, 0.5 * (dt + dt_before), physics_.gravity, particles);
+        start_->constrain(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
 }
 
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
@@ -356,7 +371,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
     const double w = dt_before + dt_before_that > 0 && dt_before > 0
                          ? (dt + dt_before) / (dt_before + dt_before_that) : 0;
-    const Vec3 g = physics_.gravity;
+    const Vec3 g = gravity_;
     const bool heated = heated_;
     // densities compared with that of the first fluid, so that one of them is divided by once
     const double rho0 = physics_.fluids[0].rho0;
@@ -431,11 +446,30 @@ double FluidSystem::largest_sound_speed() const {
     return c0;
 }
 
+/// A plate that moves along a periodic axis comes in again on the other side, dummy by dummy.
+void FluidSystem::wrap_plates() {
+    if (periodic().axes().empty()) return;
+    for (int d = 0; d < plates.size(); ++d) {
+        const double was[3] = {plates.x[d], plates.y[d], plates.z[d]};
+        double at[3] = {was[0], was[1], was[2]};
+        periodic().wrap(at);
+        plates.x0[d] += at[0] - was[0], plates.y0[d] += at[1] - was[1];
+        plates.z0[d] += at[2] - was[2];
+        plates.x[d] = at[0], plates.y[d] = at[1], plates.z[d] = at[2];
+    }
+}
+
 void FluidSystem::keep_inside() {
     Particles& s = particles;
     for (std::size_t i = 0; i < s.size(); ++i)
         if (mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i])) ++put_back_;
     if (!domain_) return;
+    if (!periodic().axes().empty())
+        for (std::size_t i = 0; i < s.size(); ++i) {
+            double at[3] = {s.x[i], s.y[i], s.z[i]};
+            periodic().wrap(at);
+            s.x[i] = at[0], s.y[i] = at[1], s.z[i] = at[2];
+        }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < s.size(); ++i) {
         const double at[3] = {s.x[i], s.y[i], s.z[i]};

@@ -56,7 +56,8 @@ class FluidSystem {
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
-    /// Puts particles that got behind a wall back; removes those that left the domain.
+    /// Puts particles that got behind a wall back and those beyond a face of a periodic axis to the
+    /// other side; removes those that left the domain.
     void keep_inside();
 
     /// Index of a particle by identity, -1 if it was removed.
@@ -93,7 +94,8 @@ class FluidSystem {
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
     const Start& start() const { return *start_; }
-    Vec3 gravity() const { return physics_.gravity; }
+    Vec3 gravity() const { return gravity_; }     // all of it, see PairPhysics::gravity [m/s2]
+    const Periodic& periodic() const { return mirror_.periodic(); }
 
     Particles particles;
     Plates plates;
@@ -102,10 +104,12 @@ class FluidSystem {
     void pack_fluid();
     void pack_extras(bool of_plates);
     void extrapolate_to_plates(double t);
+    void wrap_plates();
     void find_rubbing();
     double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
+    Vec3 gravity_;                  // [m/s2]
     FluidTag tag_;
     bool heated_;                   // some fluid has Gamma0 != 0
     std::vector<std::int64_t> filled_;

@@ -103,7 +103,7 @@ void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
 
 void Recorder::write_energies(double t, const FluidSystem& fluid) {
     const Particles& p = fluid.particles;
-    const Vec3 g = fluid.gravity();
+    const Vec3& g = fluid.physics().gravity;   // along a periodic axis there is no potential
     struct Sums {
         double kinetic = 0, potential = 0, elastic = 0;
     };
@@ -131,6 +131,7 @@ void Recorder::write_fields(double t, const FluidSystem& fluid) {
     std::vector<double> x(3 * n), v(3 * n), density(n);
     for (std::size_t i = 0; i < n; ++i) {
         x[3 * i] = p.x[i], x[3 * i + 1] = p.y[i], x[3 * i + 2] = p.z[i];
+        fluid.periodic().wrap(&x[3 * i]);
         v[3 * i] = p.vx[i], v[3 * i + 1] = p.vy[i], v[3 * i + 2] = p.vz[i];
         density[i] = fluid.fluid_of(i).rho0 + p.drho[i];
     }

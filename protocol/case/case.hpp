@@ -156,6 +156,8 @@ struct SphSettings {
     double max_speed = 0;                // [m/s] largest expected speed, for sound_speed = "auto";
                                          // 0 = estimated from the fills (2 sqrt(g H), |v|)
     std::optional<Box> domain;           // particles that leave are removed, counted and reported
+    std::vector<std::string> periodic;   // of "x", "y", "z": what leaves the domain there comes in on
+                                         // the other side; gravity along it drives the flow
     std::vector<Fluid> fluid;
     std::vector<Fill> fill;
     std::vector<Obstacle> obstacle;

@@ -147,6 +147,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"force_cfl", v.force_cfl},
          {"max_speed", v.max_speed},
          {"domain", v.domain ? Json(*v.domain) : Json(nullptr)},
+         {"periodic", v.periodic},
          {"fluid", v.fluid},
          {"fill", v.fill},
          {"obstacle", v.obstacle},

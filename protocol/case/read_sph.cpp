@@ -106,6 +106,11 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     Box domain;
     reader.box("domain", domain, axes_of(info));
     if (reader.has_table("domain")) sph.domain = domain;
+    reader.words("periodic", sph.periodic,
+                 info.dimension == 2 ? std::vector<std::string>{"x", "z"}
+                                     : std::vector<std::string>{"x", "y", "z"});
+    if (!sph.periodic.empty() && !sph.domain)
+        reader.reject("periodic", "needs sph.domain, whose extent is the period.");
 
     reader.tables("fluid",
                   [&](TableReader& entry) { read_fluid(entry, sph.fluid.emplace_back()); });

@@ -10,7 +10,8 @@ namespace undertow::sph {
 
 namespace {
 
-constexpr int most_planes = 10;   // the table of reflections has 2^planes entries
+constexpr int most_planes = 10;   // the table of reflections has 2^planes entries, and
+constexpr int most_bits = 12;     // two bits more per periodic axis
 
 Reflection identity() {
     Reflection r{};
@@ -36,7 +37,8 @@ Reflection then_mirror(const Reflection& r, const PlaneWall& w) {
 
 }  // namespace
 
-MirrorPlanes::MirrorPlanes(const std::vector<PlaneWall>& planes) : planes_(planes) {
+MirrorPlanes::MirrorPlanes(const std::vector<PlaneWall>& planes, const Periodic& periodic)
+    : planes_(planes), periodic_(periodic) {
     if (planes_.size() > most_planes)
         throw InputError(fmt::format("sph.plane: {} planes, at most {} are allowed.",
                                      planes_.size(), most_planes));
@@ -58,12 +60,32 @@ MirrorPlanes::MirrorPlanes(const std::vector<PlaneWall>& planes) : planes_(plane
                     planes_[a].name, planes_[b].name,
                     std::acos(std::min(1.0, std::abs(cosine))) * 180 / 3.14159265358979));
         }
-    table_.resize(std::size_t(1) << planes_.size());
+    for (const Periodic::Axis& a : periodic_.axes())
+        for (const PlaneWall& w : planes_)
+            if (std::abs(w.normal[a.axis]) > 1e-9)
+                throw InputError(fmt::format(
+                    "sph.plane \"{0}\": its normal has the component {1:.4g} along {2}, which "
+                    "sph.periodic repeats without an end: remove the plane or take \"{2}\" out of "
+                    "sph.periodic.",
+                    w.name, w.normal[a.axis], std::string(1, "xyz"[a.axis])));
+    const int bits = size() + 2 * static_cast<int>(periodic_.axes().size());
+    if (bits > most_bits)
+        throw InputError(fmt::format(
+            "sph.plane: {} planes, at most {} are allowed beside {} periodic axes.", size(),
+            most_bits - 2 * periodic_.axes().size(), periodic_.axes().size()));
+    table_.resize(std::size_t(1) << bits);
     table_[0] = identity();
     for (PlaneMask mask = 1; mask < table_.size(); ++mask) {
-        int highest = size() - 1;
+        int highest = bits - 1;
         while (!(mask >> highest & 1)) --highest;
-        table_[mask] = then_mirror(table_[mask & ~(PlaneMask(1) << highest)], planes_[highest]);
+        const Reflection& rest = table_[mask & ~(PlaneMask(1) << highest)];
+        if (highest < size()) {
+            table_[mask] = then_mirror(rest, planes_[highest]);
+            continue;
+        }
+        const Periodic::Axis& a = periodic_.axes()[(highest - size()) / 2];
+        table_[mask] = rest;
+        table_[mask].t[a.axis] += (highest - size()) % 2 ? -a.length : a.length;
     }
 }
 
@@ -88,6 +110,19 @@ void MirrorPlanes::images_of(double x, double y, double z, double range,
             if (perpendicular) masks.push_back(masks[m] | PlaneMask(1) << k);
         }
     }
+    // Neither kind changes the distances that the other asks for: again all unions.
+    const double at[3] = {x, y, z};
+    int bit = size();
+    for (const Periodic::Axis& a : periodic_.axes()) {
+        const std::size_t before = masks.size();
+        const double above = at[a.axis] - a.low;
+        for (const double depth : {above, a.length - above}) {
+            const PlaneMask moved = PlaneMask(1) << bit++;
+            if (depth >= range) continue;
+            masks.push_back(moved);
+            for (std::size_t m = first; m < before; ++m) masks.push_back(masks[m] | moved);
+        }
+    }
 }
 
 void MirrorPlanes::to_fixed(const double origin[3], double unit,
@@ -101,7 +136,10 @@ void MirrorPlanes::to_fixed(const double origin[3], double unit,
             for (int b = 0; b < 3; ++b)
                 f.diagonal = f.diagonal && (a == b ? std::abs(r.m[a][b]) == 1 : r.m[a][b] == 0);
             // x = origin + unit X on both sides of x' = m x + t; rounding moves the wall by 1e-9 m
-            const double offset = (r.m[a][a] * origin[a] + r.t[a] - origin[a]) / unit;
+            // (without the origin where there is none: a period up and one down must be opposite)
+            const double shift =
+                r.m[a][a] == 1 ? r.t[a] : r.m[a][a] * origin[a] + r.t[a] - origin[a];
+            const double offset = shift / unit;
             f.diagonal = f.diagonal && std::abs(offset) < 2e9;   // a plane far out of the scene
             if (!f.diagonal) break;
             f.sign[a] = r.m[a][a] > 0 ? 1 : -1;

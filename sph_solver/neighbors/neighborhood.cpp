@@ -15,7 +15,7 @@ constexpr double cell_width = 1.6, cell_height = 0.8;   // [dx]
 
 }  // namespace
 
-void Neighborhood::lay_out_grid(const Particles& particles) {
+void Neighborhood::lay_out_grid(const Particles& particles, const Periodic& periodic) {
     const int n = static_cast<int>(particles.size());
     double x0 = 1e300, y0 = 1e300, z0 = 1e300, x1 = -1e300, y1 = -1e300, z1 = -1e300;
 #pragma omp parallel for reduction(min : x0, y0, z0) reduction(max : x1, y1, z1)
@@ -36,6 +36,11 @@ void Neighborhood::lay_out_grid(const Particles& particles) {
     } while (grid_.cells() > 16 * std::int64_t(n) + (1 << 16));
     const double extent = std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]});
     fixed_.unit = extent / (1u << 30);
+    // a whole number of units to the period: an image is then moved by it exactly
+    if (!periodic.axes().empty()) {
+        const double period = periodic.axes()[0].length;
+        fixed_.unit = period / std::max(1.0, std::floor(period / fixed_.unit));
+    }
     fixed_.inverse = 1 / fixed_.unit;
     fixed_.x0 = 0.5 * (lo[0] + hi[0]), fixed_.y0 = 0.5 * (lo[1] + hi[1]);
     fixed_.z0 = 0.5 * (lo[2] + hi[2]);
@@ -135,7 +140,7 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
 
 void Neighborhood::rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror) {
     fluid_count_ = static_cast<int>(particles.size());
-    lay_out_grid(particles);
+    lay_out_grid(particles, mirror.periodic());
     sort(particles);
     find_extras(particles, plates, mirror);
     const double range = support_ + skin_;

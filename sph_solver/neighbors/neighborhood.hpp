@@ -14,7 +14,7 @@ namespace undertow::sph {
 /// A record beyond the fluid: a plate's dummy, or the image of a particle or of a dummy.
 struct Extra {
     int source;        // particle (sorted index) or dummy
-    PlaneMask mask;    // planes it is mirrored at; 0 = the dummy itself
+    PlaneMask mask;    // planes it is mirrored at, periods it is moved by; 0 = the dummy itself
     bool from_plate;
 };
 
@@ -72,7 +72,7 @@ class Neighborhood {
     }
 
  private:
-    void lay_out_grid(const Particles& particles);
+    void lay_out_grid(const Particles& particles, const Periodic& periodic);
     void sort(Particles& particles);
     void find_extras(const Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
 

@@ -17,7 +17,8 @@ struct PairPhysics {
     int dimension = 3;
     double artificial_viscosity = 0;  // alpha
     double density_diffusion = 0;     // delta
-    Vec3 gravity{};                   // [m/s2]
+    Vec3 gravity{};                   // [m/s2] of which pressure takes care at rest: without its
+                                      // components along periodic axes
     std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
 
     bool viscoplastic() const {

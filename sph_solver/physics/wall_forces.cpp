@@ -11,7 +11,7 @@ namespace {
 template <class KernelLaw, Content content, class OfOwn, class F>
 void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                     const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                    F&& f) {
+                    PlaneMask planes, F&& f) {
     constexpr bool variable = content == Content::viscoplastic;
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
@@ -20,7 +20,7 @@ void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& 
     for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
         if (*at < n) continue;
         const PlaneMask mask = neighbors.extras()[*at - n].mask;
-        if (mask == 0) continue;
+        if ((mask & planes) == 0) continue;   // a dummy, or an image by translation only
         const Packed& j = records[*at];
         PairSums<float8> sum;
         add_pair<KernelLaw, Terms::force, content>(
@@ -45,6 +45,7 @@ std::vector<double> force_on_planes(const KernelLaw& kernel, const PairPhysics& 
     const Packed* records = neighbors.records().data();
     const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
     const std::size_t planes = mirror.size(), fluids = physics.fluids.size();
+    const PlaneMask any_plane = (PlaneMask(1) << planes) - 1;
     // per cluster first, then summed in order: the same bits for any number of threads
     std::vector<double> part(clusters * planes * fluids, 0.0);
 
@@ -70,7 +71,7 @@ std::vector<double> force_on_planes(const KernelLaw& kernel, const PairPhysics& 
         };
         if (!mixed) {
             for_each_image<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
-                                                          add);
+                                                          any_plane, add);
             continue;
         }
         MixedLanes m;
@@ -78,10 +79,11 @@ std::vector<double> force_on_planes(const KernelLaw& kernel, const PairPhysics& 
                 i.own, m);
         if (variable)
             for_each_image<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
-                                                             m.with, neighbors, cluster, add);
+                                                             m.with, neighbors, cluster,
+                                                             any_plane, add);
         else
             for_each_image<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
-                                                        neighbors, cluster, add);
+                                                        neighbors, cluster, any_plane, add);
     }
     std::vector<double> force(planes * fluids, 0.0);
     for (int cluster = 0; cluster < clusters; ++cluster)

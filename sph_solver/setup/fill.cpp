@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/setup/fill_plan.hpp"
 #include "wire/errors.hpp"
 
@@ -13,7 +14,7 @@ namespace undertow::sph {
 Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     const double dx = input.sph.spacing;
     const bool flat = input.info.dimension == 2;
-    const double g = std::max(0.0, -input.info.gravity[2]);
+    const double g = std::max(0.0, -balanced_gravity(input)[2]);
     const FillPlan plan(input);
     std::vector<double> density;
     for (const FluidLaw& f : fluids) density.push_back(f.rho0);
