@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/boundary/body_fluid.hpp"
 #include "sph_solver/setup/fill.hpp"
-#include "sph_solver/physics/wall_friction.hpp"
+#include "sph_solver/physics/wall_forces.hpp"
+#include "sph_solver/shapes/vectors.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::sph {
@@ -30,11 +31,6 @@ PairPhysics resolve_physics(const Case& input) {
     return p;
 }
 
-double kernel_value(const PairPhysics& p, double r) {
-    return with_kernel(p.kernel, p.h, p.dimension,
-                       [&](const auto& kernel) { return kernel.value(r); });
-}
-
 }  // namespace
 
 FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
@@ -49,11 +45,13 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
               Periodic(input.sph.periodic, input.sph.domain, 2 * physics_.h)),
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
-      domain_(input.sph.domain) {
+      domain_(input.sph.domain),
+      near_walls_(spacing_, static_cast<int>(input.sph.plane.size() + input.sph.body.size()),
+                  static_cast<int>(physics_.fluids.size())) {
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
-    plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
+    bodies = make_bodies(input);
     index_.resize(particles.size());
     surface_.expect(particles.size());
     if (physics_.viscoplastic()) {
@@ -84,17 +82,17 @@ bool FluidSystem::refresh_neighbors(double t) {
     if (rebuilds_ > 0 && list_age_ < short_lived) neighbors_.set_skin(wide_skin * spacing_);
     if (list_age_ > long_lived) neighbors_.set_skin(narrow_skin * spacing_);
     list_age_ = 0;
+    bodies.move_to(t);
+    bodies.wrap(periodic());
     keep_inside();
-    plates.move_to(t);
-    wrap_plates();
-    neighbors_.rebuild(particles, plates, mirror_);
+    neighbors_.rebuild(particles, bodies, mirror_);
     if (physics_.mixed()) neighbors_.find_fluids(particles);
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
     const FixedPoint& fixed = neighbors_.fixed();
     const double origin[3] = {fixed.x0, fixed.y0, fixed.z0};
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
-    find_rubbing();
+    near_walls_.find(particles, mirror_, bodies, index_, neighbors_.skin());
     surface_.expire();
     reach_ = 0;
     ++rebuilds_;
@@ -107,9 +105,9 @@ void FluidSystem::pack(double t) {
         pack_fluid();
         pack_extras(false);   // from the records just packed
     }
-    if (neighbors_.plate_targets().empty()) return;   // no plate is near the fluid
-    plates.move_to(t);
-    extrapolate_to_plates(t);   // sees the fluid and its images
+    bodies.move_to(t);
+    if (neighbors_.body_targets().empty()) return;   // no body is near the fluid
+    continue_into_bodies(physics_, neighbors_, bodies);   // sees the fluid and its images
 #pragma omp parallel
     pack_extras(true);
 }
@@ -152,7 +150,7 @@ void FluidSystem::pack_fluid() {
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
 /// p' = p + rho0 g . (x' - x), so that the wall carries the weight above it without an inflow.
-void FluidSystem::pack_extras(bool of_plates) {
+void FluidSystem::pack_extras(bool of_bodies) {
     const FixedPoint fixed = neighbors_.fixed();
     const FluidTag tag = tag_;
     const Vec3& g = physics_.gravity;
@@ -169,12 +167,12 @@ void FluidSystem::pack_extras(bool of_plates) {
 #pragma omp for schedule(static)
     for (int e = 0; e < n; ++e) {
         const int s = extras[e].source;
-        const bool plate = extras[e].from_plate;
-        if (plate != of_plates) continue;
-        const std::uint8_t own = single ? 0 : plate ? plates.fluid[s] : particles.fluid[s];
-        if (viscous) viscosity[e] = plate ? plates.viscosity[s] : particles.viscosity[s];
+        const bool body = extras[e].from_body;
+        if (body != of_bodies) continue;
+        const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
+        if (viscous) viscosity[e] = body ? bodies.viscosity[s] : particles.viscosity[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
-        if (!plate && mirror.diagonal) {   // the usual tank: from record to record
+        if (!body && mirror.diagonal) {   // the usual tank: from record to record
             const Packed from = fluid_records[s];
             Packed& q = records[e];
             q.x = mirror.sign[0] * from.x + mirror.offset[0];
@@ -189,14 +187,14 @@ void FluidSystem::pack_extras(bool of_plates) {
                   slope[own][2] * static_cast<float>(q.z - from.z);
             continue;
         }
-        const double x = plate ? plates.x[s] : particles.x[s];
-        const double y = plate ? plates.y[s] : particles.y[s];
-        const double z = plate ? plates.z[s] : particles.z[s];
-        const double vx = plate ? plates.vx[s] : particles.vx[s];
-        const double vy = plate ? plates.vy[s] : particles.vy[s];
-        const double vz = plate ? plates.vz[s] : particles.vz[s];
-        const double p = plate ? plates.p[s] : particles.p[s];
-        const double drho = plate ? 0 : particles.drho[s];
+        const double x = body ? bodies.x[s] : particles.x[s];
+        const double y = body ? bodies.y[s] : particles.y[s];
+        const double z = body ? bodies.z[s] : particles.z[s];
+        const double vx = body ? bodies.vx[s] : particles.vx[s];
+        const double vy = body ? bodies.vy[s] : particles.vy[s];
+        const double vz = body ? bodies.vz[s] : particles.vz[s];
+        const double p = body ? bodies.p[s] : particles.p[s];
+        const double drho = body ? 0 : particles.drho[s];
         const FluidLaw& fluid = physics_.fluids[own];
         const double gx = fluid.rho0 * g[0], gy = fluid.rho0 * g[1], gz = fluid.rho0 * g[2];
         const Reflection& r = mirror_.reflection(extras[e].mask);
@@ -207,7 +205,8 @@ void FluidSystem::pack_extras(bool of_plates) {
         q.x = fixed(ix, fixed.x0);
         q.y = fixed(iy, fixed.y0);
         q.z = fixed(iz, fixed.z0);
-        q.volume = tag(fluid.rho0 * fluid.volume / (fluid.rho0 + drho), own);
+        const double share = body ? bodies.share[s] : 1;
+        q.volume = tag(share * fluid.rho0 * fluid.volume / (fluid.rho0 + drho), own);
         q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
         q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
         q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
@@ -215,99 +214,18 @@ void FluidSystem::pack_extras(bool of_plates) {
     }
 }
 
-/// p_w = sum_f [p_f + rho0 (g - a_w).(x_w - x_f)] W / sum_f W, and the mean fluid velocity likewise.
-/// A free-slip plate takes the fluid's velocity along its faces and its own across them; a no-slip
-/// plate shows 2 v_w - <v_f>.  [Adami, Hu & Adams 2012, Eqs. 23, 27]
-/// A dummy passes for the fluid with the largest share in sum_f W, and shows the mean viscosity.
-void FluidSystem::extrapolate_to_plates(double t) {
-    const std::vector<int>& targets = neighbors_.plate_targets();
-    const ClusterLists& lists = neighbors_.plate_lists();
-    const std::vector<Packed>& records = neighbors_.records();
-    const std::vector<Extra>& extras = neighbors_.extras();
-    const FixedPoint& fixed = neighbors_.fixed();
-    const int fluid_count = neighbors_.fluid_count();
-    const double r_max2 = 4 * physics_.h * physics_.h;
-    const Vec3& g = physics_.gravity;
-    const bool viscous = !particles.viscosity.empty(), mixed = physics_.mixed();
-    const int n = static_cast<int>(targets.size());
-#pragma omp parallel for schedule(dynamic, 64)
-    for (int k = 0; k < n; ++k) {
-        const int d = targets[k];
-        const double px = (plates.x[d] - fixed.x0) / fixed.unit,
-                     py = (plates.y[d] - fixed.y0) / fixed.unit,
-                     pz = (plates.z[d] - fixed.z0) / fixed.unit;
-        double weight = 0, pressure = 0, u[3] = {0, 0, 0};
-        double viscosity = 0, share[FluidTag::most] = {};
-        for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
-            if (*at >= fluid_count && extras[*at - fluid_count].from_plate) continue;
-            const Packed& q = records[*at];
-            const double dx = (px - q.x) * fixed.unit, dy = (py - q.y) * fixed.unit,
-                         dz = (pz - q.z) * fixed.unit;
-            const double r2 = dx * dx + dy * dy + dz * dz;
-            if (r2 >= r_max2) continue;
-            const double w = kernel_value(physics_, std::sqrt(r2));
-            weight += w;
-            const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
-            share[own] += w;
-            if (viscous) viscosity += w * neighbors_.viscosity()[*at];
-            pressure +=
-                w * (q.p + physics_.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
-            u[0] += w * q.vx, u[1] += w * q.vy, u[2] += w * q.vz;
-        }
-        const int wall = plates.plate[d];
-        const Vec3 v = plates.velocity(wall, t);
-        double* out[3] = {&plates.vx[d], &plates.vy[d], &plates.vz[d]};
-        const int normal = plates.thin_axis(wall);
-        for (int a = 0; a < 3; ++a) {
-            const double mean = weight > 0 ? u[a] / weight : v[a];
-            if (plates.walls[wall].slip == Slip::no_slip)
-                *out[a] = 2 * v[a] - mean;
-            else
-                *out[a] = a == normal ? v[a] : mean;
-        }
-        plates.p[d] = weight > 0 ? std::max(0.0, pressure / weight) : 0;
-        plates.viscosity[d] = static_cast<float>(weight > 0 ? viscosity / weight : 0);
-        plates.fluid[d] = static_cast<std::uint8_t>(
-            std::max_element(share, share + FluidTag::most) - share);
-    }
-}
-
-void FluidSystem::find_rubbing() {
-    rubbing_.clear();
-    const double range = 1.5 * spacing_ + neighbors_.skin();
-    for (int k = 0; k < mirror_.size(); ++k) {
-        if (mirror_.plane(k).slip != Slip::no_slip) continue;
-        for (std::size_t i = 0; i < particles.size(); ++i)
-            if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < range)
-                rubbing_.push_back({static_cast<int>(i), k});
-    }
-}
-
-/// dv/dt = -tau w(z) / (rho dx) along the slip velocity. The weight w = 1 - |z - dx/2|/dx shares the
-/// stress out among the layers of a lattice at any distance from the wall; its sum is one.
-/// A viscoplastic fluid has the viscosity of the shear rate u/z between itself and the wall.
 void FluidSystem::add_wall_friction() {
-    for (const Rubbing& r : rubbing_) {
-        const int i = r.particle;
-        const Vec3& n = mirror_.plane(r.plane).normal;
-        const double z = mirror_.distance(r.plane, particles.x[i], particles.y[i], particles.z[i]);
-        const double weight = 1 - std::abs(z - 0.5 * spacing_) / spacing_;
-        if (!(weight > 0)) continue;
-        const double vn =
-            particles.vx[i] * n[0] + particles.vy[i] * n[1] + particles.vz[i] * n[2];
-        const double ux = particles.vx[i] - vn * n[0], uy = particles.vy[i] - vn * n[1],
-                     uz = particles.vz[i] - vn * n[2];
-        const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
-        if (!(u > 0)) continue;
-        const FluidLaw& fluid = fluid_of(i);
-        const double height = std::max(z, 0.1 * spacing_);
-        const LawOfTheWall law{fluid.rho0,
-                               fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
-        const double deceleration = weight * law(u, height) / (law.rho * spacing_) / u;
-        particles.ax[i] -= static_cast<float>(deceleration * ux);
-        particles.ay[i] -= static_cast<float>(deceleration * uy);
-        particles.az[i] -= static_cast<float>(deceleration * uz);
-    }
+    near_walls_.add_stress(physics_, mirror_, bodies, particles);
+}
+
+void FluidSystem::add_coulomb_friction(double dt, double dt_before) {
+    near_walls_.add_coulomb(physics_, gravity_, mirror_, bodies, 0.5 * (dt + dt_before), particles);
+}
+
+std::vector<Vec3> FluidSystem::wall_forces() const {
+    std::vector<Vec3> force = undertow::sph::wall_forces(physics_, neighbors_, mirror_, bodies);
+    for (std::size_t k = 0; k < force.size(); ++k) force[k] = force[k] + near_walls_.shear(k);
+    return force;
 }
 
 void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
@@ -412,10 +330,9 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     fastest_ = std::sqrt(speed2);
     reach_ += fastest_ * dt;
     travelled_ += (fastest_ + surface_.advance(dt)) * dt;
-    for (const PlateWall& plate : plates.walls) {
-        const Vec3& v = plate.velocity;
-        reach_ = std::max(reach_, reach_ - fastest_ * dt + std::hypot(v[0], v[1], v[2]) * dt);
-    }
+    const double by_bodies = bodies.fastest() * dt;
+    reach_ = std::max(reach_, reach_ - fastest_ * dt + by_bodies);
+    bodies_travelled_ += by_bodies;
     return {fastest_, std::sqrt(a2), compression / rho0, viscous_limit(), worst < 0, worst};
 }
 
@@ -446,23 +363,12 @@ double FluidSystem::largest_sound_speed() const {
     return c0;
 }
 
-/// A plate that moves along a periodic axis comes in again on the other side, dummy by dummy.
-void FluidSystem::wrap_plates() {
-    if (periodic().axes().empty()) return;
-    for (int d = 0; d < plates.size(); ++d) {
-        const double was[3] = {plates.x[d], plates.y[d], plates.z[d]};
-        double at[3] = {was[0], was[1], was[2]};
-        periodic().wrap(at);
-        plates.x0[d] += at[0] - was[0], plates.y0[d] += at[1] - was[1];
-        plates.z0[d] += at[2] - was[2];
-        plates.x[d] = at[0], plates.y[d] = at[1], plates.z[d] = at[2];
-    }
-}
-
 void FluidSystem::keep_inside() {
     Particles& s = particles;
     for (std::size_t i = 0; i < s.size(); ++i)
         if (mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i])) ++put_back_;
+    put_back_ += near_walls_.put_back(s, bodies, periodic(), travelled_ + bodies_travelled_,
+                                      neighbors_.skin());
     if (!domain_) return;
     if (!periodic().axes().empty())
         for (std::size_t i = 0; i < s.size(); ++i) {

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/boundary/bodies.hpp"
 #include "sph_solver/boundary/mirror_planes.hpp"
-#include "sph_solver/boundary/plates.hpp"
+#include "sph_solver/boundary/near_walls.hpp"
 #include "sph_solver/boundary/surface_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
@@ -43,12 +44,14 @@ class FluidSystem {
     // ---- the operations of a step, in order of use
     /// Sorts and rebuilds all lists if a particle may have moved half the skin. Returns true if so.
     bool refresh_neighbors(double t);
-    /// Packs positions, velocities, volumes and pressures of fluid, plates and images at time t.
+    /// Packs positions, velocities, volumes and pressures of fluid, bodies and images at time t.
     void pack(double t);
     /// Sums over neighbors and over the images behind the coupled surface: rates, forces or both.
     void sum_over_neighbors(Terms terms);
     /// Adds the shear stress of no-slip walls to the accelerations just summed.
     void add_wall_friction();
+    /// Adds the friction of walls with a Coulomb coefficient, once all other forces and dt are known.
+    void add_coulomb_friction(double dt, double dt_before);
     /// rho += dt * D (two-pass: D just summed).
     void advance_density(double dt);
     /// Damps what settles and drives what is held, see Start; without effect once all are let go.
@@ -89,6 +92,9 @@ class FluidSystem {
     const Neighborhood& neighbors() const { return neighbors_; }
     const MirrorPlanes& mirror() const { return mirror_; }
     const std::vector<Removed>& removed() const { return removed_; }
+    const NearWalls& near_walls() const { return near_walls_; }
+    /// Force of each fluid on each plane, then on each body, shear included [N], [walls, fluids].
+    std::vector<Vec3> wall_forces() const;
     const SurfaceImages& surface() const { return surface_; }
     std::int64_t put_back() const { return put_back_; }
     std::int64_t rebuilds() const { return rebuilds_; }
@@ -98,14 +104,11 @@ class FluidSystem {
     const Periodic& periodic() const { return mirror_.periodic(); }
 
     Particles particles;
-    Plates plates;
+    Bodies bodies;
 
  private:
     void pack_fluid();
-    void pack_extras(bool of_plates);
-    void extrapolate_to_plates(double t);
-    void wrap_plates();
-    void find_rubbing();
+    void pack_extras(bool of_bodies);
     double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
@@ -121,10 +124,8 @@ class FluidSystem {
     bool with_surface_images_;
     std::optional<Box> domain_;
     std::optional<Start> start_;
-    struct Rubbing {
-        int particle, plane;
-    };
-    std::vector<Rubbing> rubbing_;  // particles near no-slip planes
+    NearWalls near_walls_;
+    double bodies_travelled_ = 0;   // bound on displacement since the start [m]
     std::vector<int> index_;        // identity -> sorted index
     int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild

@@ -68,7 +68,7 @@ int run(const Case& input, const SolverOptions& options) {
     const double c0 = fluid.largest_sound_speed();
     std::unique_ptr<Link> link =
         alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint);
-    Recorder recorder(input, options.folder, alone, fluid);
+    Recorder recorder(input, options.folder, alone);
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
                          fluid.particles.size(), fluid.spacing(), c0, threads));
@@ -141,6 +141,7 @@ int run(const Case& input, const SolverOptions& options) {
             watch.lap(figures.contact_wait);
             if (order.finished) break;
 
+            fluid.add_coulomb_friction(order.dt, dt);
             fluid.constrain_start(t, order.dt, dt);
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);
             density_due = two_pass;

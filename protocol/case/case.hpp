@@ -77,7 +77,7 @@ struct Shape {
                                          // the box is if there is one, else without ends
     Vec3 from{}, to{};                   // [m] axis of a cylinder with flat ends; 2D: along y, a disc
     double radius = 0;                   // [m] of the cylinder; 0 = none
-    std::string stl;                     // file with a closed surface, ASCII or binary
+    std::string stl{};                     // file with a closed surface, ASCII or binary
     double scale = 1;                    // [m] of one unit in the file
     Vec3 at{};                           // [m] where the file's origin comes to lie
 };

@@ -24,8 +24,10 @@ FromSurface RigidBody::at_rest(const Vec3& x) const {
     return {-from.distance, {-from.away[0], -from.away[1], -from.away[2]}};
 }
 
-FromSurface RigidBody::now(const Vec3& x) const {
-    const FromSurface from = at_rest(pose_.to_rest(x));
+FromSurface RigidBody::now(const Vec3& x, const Periodic& periodic) const {
+    Vec3 rest = pose_.to_rest(x);
+    periodic.wrap(rest.data());
+    const FromSurface from = at_rest(rest);
     return {from.distance, pose_.direction(from.away)};
 }
 
@@ -38,10 +40,22 @@ void Bodies::move_to(double t) {
     for (int d = 0; d < size(); ++d) {
         const RigidBody& b = body[owner[d]];
         if (!b.moves() && !first) continue;
-        const Vec3 at = b.pose().to_space(at_rest[d]);
+        Vec3 at = b.pose().to_space(at_rest[d]);
+        if (!periods.empty()) at = at + periods[d];
         x[d] = at[0], y[d] = at[1], z[d] = at[2];
     }
     find_fastest();
+}
+
+void Bodies::wrap(const Periodic& periodic) {
+    if (periodic.axes().empty()) return;
+    periods.resize(size(), Vec3{});
+    for (int d = 0; d < size(); ++d) {
+        Vec3 at{x[d], y[d], z[d]};
+        periodic.wrap(at.data());
+        periods[d] = periods[d] + (at - Vec3{x[d], y[d], z[d]});
+        x[d] = at[0], y[d] = at[1], z[d] = at[2];
+    }
 }
 
 void Bodies::find_fastest() {
@@ -54,6 +68,21 @@ void Bodies::find_fastest() {
         if (b.moves()) fastest_ = std::max(fastest_, length(b.pose().velocity_at({x[d], y[d], z[d]})));
     }
 }
+
+namespace {
+
+/// Of a body that reaches beyond a periodic domain, what lies outside is an image of what lies inside.
+bool repeats_itself(const Vec3& x, const Case& input) {
+    for (const std::string& axis : input.sph.periodic) {
+        const int a = axis[0] - 'x';
+        if (input.sph.domain &&
+            (x[a] < input.sph.domain->min[a] || x[a] >= input.sph.domain->max[a]))
+            return true;
+    }
+    return false;
+}
+
+}  // namespace
 
 Bodies make_bodies(const Case& input) {
     Bodies bodies;
@@ -68,6 +97,7 @@ Bodies make_bodies(const Case& input) {
                 bodies.body[k].bounds().max[0] - bodies.body[k].bounds().min[0],
                 bodies.body[k].bounds().max[2] - bodies.body[k].bounds().min[2]));
         for (const Dummy& d : dummies) {
+            if (repeats_itself(d.x, input)) continue;
             bodies.at_rest.push_back(d.x);
             bodies.away_at_rest.push_back(d.away);
             bodies.share.push_back(d.share);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/boundary/rigid_motion.hpp"
 #include "sph_solver/shapes/solid.hpp"
 
@@ -20,8 +21,8 @@ class RigidBody {
     /// As seen from the fluid's side: distance < 0 inside the rigid material, `away` points into the
     /// fluid. x in the body's place at rest [m].
     FromSurface at_rest(const Vec3& x) const;
-    /// The same for a point in space where the body is now.
-    FromSurface now(const Vec3& x) const;
+    /// The same for a point in space where the body is now; along periodic axes it repeats itself.
+    FromSurface now(const Vec3& x, const Periodic& periodic) const;
 
     void move_to(double t) { pose_ = motion_(t); }
 
@@ -42,6 +43,7 @@ class RigidBody {
 struct Bodies {
     std::vector<double> x, y, z;             // position now [m], [dummies]
     std::vector<Vec3> at_rest;               // position at rest [m], [dummies]
+    std::vector<Vec3> periods;               // what put it back into a periodic domain [m], or empty
     std::vector<Vec3> away_at_rest;          // direction into the fluid, [dummies]
     std::vector<double> vx, vy, vz;          // what the pair loop sees [m/s], [dummies]
     std::vector<double> p;                   // extrapolated pressure [Pa], [dummies]
@@ -56,6 +58,8 @@ struct Bodies {
 
     /// Moves all dummies to time t.
     void move_to(double t);
+    /// A body that moves along a periodic axis comes in again on the other side, dummy by dummy.
+    void wrap(const Periodic& periodic);
     /// Largest speed of any dummy now [m/s]; a constant velocity counts before and after its time.
     double fastest() const { return fastest_; }
 

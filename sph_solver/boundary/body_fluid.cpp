@@ -15,15 +15,18 @@ struct Continued {
     double pressure = 0;            // sum of W (p + hydrostatic part)
     double u[3] = {0, 0, 0};        // sum of W v
     double viscosity = 0;           // sum of W mu
+    Vec3 offset{};                  // sum of W (x_f - x_w) [m]
     double share[FluidTag::most] = {};   // of `weight`, by fluid
 };
 
-void set(Bodies& bodies, int d, const Continued& sum) {
+void set(Bodies& bodies, int d, double h, const Continued& sum) {
     const Pose& pose = bodies.body[bodies.owner[d]].pose();
     const Vec3 wall = pose.velocity_at({bodies.x[d], bodies.y[d], bodies.z[d]});
-    const Vec3 away = pose.direction(bodies.away_at_rest[d]);
     Vec3 v = wall;
     if (sum.weight > 0) {
+        const double off = length(sum.offset);
+        const Vec3 away = off > 0.1 * h * sum.weight ? (1 / off) * sum.offset
+                                                     : pose.direction(bodies.away_at_rest[d]);
         const Vec3 mean{sum.u[0] / sum.weight, sum.u[1] / sum.weight, sum.u[2] / sum.weight};
         v = mean - 2 * dot(mean - wall, away) * away;
     }
@@ -35,10 +38,9 @@ void set(Bodies& bodies, int d, const Continued& sum) {
 }
 
 template <class KernelLaw>
-void continue_with(const PairPhysics& physics, const Neighborhood& neighbors, Bodies& bodies) {
-    const KernelLaw kernel(physics.h, physics.dimension);
-    const std::vector<int>& targets = neighbors.plate_targets();
-    const ClusterLists& lists = neighbors.plate_lists();
+void continue_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors, Bodies& bodies) {
+    const std::vector<int>& targets = neighbors.body_targets();
+    const ClusterLists& lists = neighbors.body_lists();
     const std::vector<Packed>& records = neighbors.records();
     const std::vector<Extra>& extras = neighbors.extras();
     const FixedPoint& fixed = neighbors.fixed();
@@ -57,7 +59,7 @@ void continue_with(const PairPhysics& physics, const Neighborhood& neighbors, Bo
         const Vec3 g = physics.gravity - a_w;
         Continued sum;
         for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
-            if (*at >= fluid_count && extras[*at - fluid_count].from_plate) continue;
+            if (*at >= fluid_count && extras[*at - fluid_count].from_body) continue;
             const Packed& q = records[*at];
             const double dx = (px - q.x) * fixed.unit, dy = (py - q.y) * fixed.unit,
                          dz = (pz - q.z) * fixed.unit;
@@ -70,9 +72,10 @@ void continue_with(const PairPhysics& physics, const Neighborhood& neighbors, Bo
             if (viscous) sum.viscosity += w * neighbors.viscosity()[*at];
             sum.pressure +=
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
+            sum.offset = sum.offset - w * Vec3{dx, dy, dz};
             sum.u[0] += w * q.vx, sum.u[1] += w * q.vy, sum.u[2] += w * q.vz;
         }
-        set(bodies, d, sum);
+        set(bodies, d, physics.h, sum);
     }
 }
 
@@ -80,10 +83,9 @@ void continue_with(const PairPhysics& physics, const Neighborhood& neighbors, Bo
 
 void continue_into_bodies(const PairPhysics& physics, const Neighborhood& neighbors,
                           Bodies& bodies) {
-    if (physics.kernel == Kernel::wendland_c2)
-        continue_with<WendlandC2>(physics, neighbors, bodies);
-    else
-        continue_with<CubicSpline>(physics, neighbors, bodies);
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        continue_with(kernel, physics, neighbors, bodies);
+    });
 }
 
 }  // namespace undertow::sph

@@ -45,14 +45,18 @@ Vec3 Pose::to_space(const Vec3& x) const {
 
 Vec3 Pose::to_rest(const Vec3& x) const {
     if (!turned) return x - shift;
-    const Vec3 r = x - center - shift;
-    return {center[0] + turn[0][0] * r[0] + turn[1][0] * r[1] + turn[2][0] * r[2],
-            center[1] + turn[0][1] * r[0] + turn[1][1] * r[1] + turn[2][1] * r[2],
-            center[2] + turn[0][2] * r[0] + turn[1][2] * r[1] + turn[2][2] * r[2]};
+    return center + direction_at_rest(x - center - shift);
 }
 
 Vec3 Pose::direction(const Vec3& n) const {
     return turned ? times(turn, n) : n;
+}
+
+Vec3 Pose::direction_at_rest(const Vec3& n) const {
+    if (!turned) return n;
+    return {turn[0][0] * n[0] + turn[1][0] * n[1] + turn[2][0] * n[2],
+            turn[0][1] * n[0] + turn[1][1] * n[1] + turn[2][1] * n[2],
+            turn[0][2] * n[0] + turn[1][2] * n[1] + turn[2][2] * n[2]};
 }
 
 Vec3 Pose::velocity_at(const Vec3& x) const {

@@ -23,6 +23,7 @@ struct Pose {
     Vec3 to_rest(const Vec3& x) const;
     /// A direction given at rest.
     Vec3 direction(const Vec3& at_rest) const;
+    Vec3 direction_at_rest(const Vec3& now) const;
     /// Of the body's point at x [m], and its acceleration, centripetal part included.
     Vec3 velocity_at(const Vec3& x) const;
     Vec3 acceleration_at(const Vec3& x) const;

@@ -87,30 +87,30 @@ void Neighborhood::sort(Particles& particles) {
     }
 }
 
-void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
+void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
                                const MirrorPlanes& mirror) {
     const double range = support_ + skin_;
     unsorted_extras_.clear();
-    const auto add_images = [&](int source, double x, double y, double z, bool from_plate) {
+    const auto add_images = [&](int source, double x, double y, double z, bool from_body) {
         masks_.clear();
         mirror.images_of(x, y, z, range, masks_);
-        for (const PlaneMask mask : masks_) unsorted_extras_.push_back({source, mask, from_plate});
+        for (const PlaneMask mask : masks_) unsorted_extras_.push_back({source, mask, from_body});
     };
-    // images of the fluid first: they are the sources of the plates' extrapolation
+    // images of the fluid first: they are the sources of the bodies' extrapolation
     for (std::size_t i = 0; i < particles.size(); ++i)
         add_images(static_cast<int>(i), particles.x[i], particles.y[i], particles.z[i], false);
-    for (int d = 0; d < plates.size(); ++d) {
-        if (plates.x[d] < lo_[0] || plates.x[d] > hi_[0] || plates.y[d] < lo_[1] ||
-            plates.y[d] > hi_[1] || plates.z[d] < lo_[2] || plates.z[d] > hi_[2])
+    for (int d = 0; d < bodies.size(); ++d) {
+        if (bodies.x[d] < lo_[0] || bodies.x[d] > hi_[0] || bodies.y[d] < lo_[1] ||
+            bodies.y[d] > hi_[1] || bodies.z[d] < lo_[2] || bodies.z[d] > hi_[2])
             continue;   // nothing of the fluid is near
         unsorted_extras_.push_back({d, 0, true});
-        add_images(d, plates.x[d], plates.y[d], plates.z[d], true);
+        add_images(d, bodies.x[d], bodies.y[d], bodies.z[d], true);
     }
 
     const auto position = [&](const Extra& e) {
-        const double x = e.from_plate ? plates.x[e.source] : particles.x[e.source];
-        const double y = e.from_plate ? plates.y[e.source] : particles.y[e.source];
-        const double z = e.from_plate ? plates.z[e.source] : particles.z[e.source];
+        const double x = e.from_body ? bodies.x[e.source] : particles.x[e.source];
+        const double y = e.from_body ? bodies.y[e.source] : particles.y[e.source];
+        const double z = e.from_body ? bodies.z[e.source] : particles.z[e.source];
         const Reflection& r = mirror.reflection(e.mask);
         return Vec3{r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0],
                     r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1],
@@ -138,29 +138,29 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
     }
 }
 
-void Neighborhood::rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror) {
+void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror) {
     fluid_count_ = static_cast<int>(particles.size());
     lay_out_grid(particles, mirror.periodic());
     sort(particles);
-    find_extras(particles, plates, mirror);
+    find_extras(particles, bodies, mirror);
     const double range = support_ + skin_;
     fluid_lists_.build(grid_, fixed_, records_, 0, fluid_count_,
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
 
-    // The plates' dummies are targets as well: records of their own, sources only fluid and its images
+    // The bodies' dummies are targets as well: records of their own, sources only fluid and its images
     // (images of dummies are skipped in the sum).
-    plate_targets_.clear();
-    if (plates.size() == 0) return;
-    plate_records_ = records_;
-    plate_records_.resize(fluid_count_ + extras_.size());
+    body_targets_.clear();
+    if (bodies.size() == 0) return;
+    body_records_ = records_;
+    body_records_.resize(fluid_count_ + extras_.size());
     for (std::size_t k = 0; k < extras_.size(); ++k)
-        if (extras_[k].from_plate && extras_[k].mask == 0) {
-            plate_targets_.push_back(extras_[k].source);
-            plate_records_.push_back(records_[fluid_count_ + k]);
+        if (extras_[k].from_body && extras_[k].mask == 0) {
+            body_targets_.push_back(extras_[k].source);
+            body_records_.push_back(records_[fluid_count_ + k]);
         }
-    plate_lists_.build(grid_, fixed_, plate_records_,
+    body_lists_.build(grid_, fixed_, body_records_,
                        static_cast<int>(fluid_count_ + extras_.size()),
-                       static_cast<int>(plate_targets_.size()),
+                       static_cast<int>(body_targets_.size()),
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
 }
 
@@ -174,7 +174,7 @@ void Neighborhood::find_fluids(const Particles& particles) {
         for (int j = 0; j < records; ++j) {
             const bool extra = j >= fluid_count_;
             const Extra* e = extra ? &extras_[j - fluid_count_] : nullptr;
-            record_fluid_[j] = extra && e->from_plate
+            record_fluid_[j] = extra && e->from_body
                                    ? 0
                                    : FluidBits(1u << particles.fluid[extra ? e->source : j]);
         }

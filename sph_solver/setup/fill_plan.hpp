@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/boundary/bodies.hpp"
+#include "sph_solver/shapes/solid.hpp"
 
 namespace undertow::sph {
 
@@ -23,7 +25,7 @@ class FillPlan {
     /// -1 if there is none. y does not count in 2D.
     int owner(const Vec3& x) const;
 
-    /// Moves a particle that lies in an obstacle's skin, nearer than half a spacing, out to half a
+    /// Moves a particle that lies in the skin of an obstacle or a body, nearer than half a spacing, out to half a
     /// spacing. False if its center is inside: then there is no particle. Taking centers instead of
     /// whole cells keeps the volume around a curved body right in the mean.
     bool clear_obstacles(Vec3& x) const;
@@ -41,6 +43,8 @@ class FillPlan {
     bool flat_;
     std::vector<Vec3> behind_;    // [m] ramp_distance of each fill
     std::vector<int> fluid_;
+    std::vector<Solid> obstacle_;
+    std::vector<RigidBody> body_;
 };
 
 }  // namespace undertow::sph
