@@ -46,7 +46,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain),
-      near_walls_(spacing_, static_cast<int>(input.sph.plane.size() + input.sph.body.size()),
+      near_walls_(spacing_, mirror_.size(), static_cast<int>(input.sph.body.size()),
                   static_cast<int>(physics_.fluids.size())) {
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
@@ -107,7 +107,8 @@ void FluidSystem::pack(double t) {
     }
     bodies.move_to(t);
     if (neighbors_.body_targets().empty()) return;   // no body is near the fluid
-    continue_into_bodies(physics_, neighbors_, bodies);   // sees the fluid and its images
+    near_walls_.reflect(particles, bodies, reflected_);
+    continue_into_bodies(physics_, neighbors_, mirror_, reflected_, bodies);
 #pragma omp parallel
     pack_extras(true);
 }
@@ -368,7 +369,7 @@ void FluidSystem::keep_inside() {
     for (std::size_t i = 0; i < s.size(); ++i)
         if (mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i])) ++put_back_;
     put_back_ += near_walls_.put_back(s, bodies, periodic(), travelled_ + bodies_travelled_,
-                                      neighbors_.skin());
+                                      support() + neighbors_.skin());
     if (!domain_) return;
     if (!periodic().axes().empty())
         for (std::size_t i = 0; i < s.size(); ++i) {

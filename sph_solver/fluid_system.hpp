@@ -125,6 +125,7 @@ class FluidSystem {
     std::optional<Box> domain_;
     std::optional<Start> start_;
     NearWalls near_walls_;
+    std::vector<Vec3> reflected_;   // velocities as bodies show them [m/s], [n]
     double bodies_travelled_ = 0;   // bound on displacement since the start [m]
     std::vector<int> index_;        // identity -> sorted index
     int list_age_ = 0;              // [steps]

@@ -99,7 +99,6 @@ Bodies make_bodies(const Case& input) {
         for (const Dummy& d : dummies) {
             if (repeats_itself(d.x, input)) continue;
             bodies.at_rest.push_back(d.x);
-            bodies.away_at_rest.push_back(d.away);
             bodies.share.push_back(d.share);
             bodies.owner.push_back(k);
         }

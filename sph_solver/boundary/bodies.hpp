@@ -44,7 +44,6 @@ struct Bodies {
     std::vector<double> x, y, z;             // position now [m], [dummies]
     std::vector<Vec3> at_rest;               // position at rest [m], [dummies]
     std::vector<Vec3> periods;               // what put it back into a periodic domain [m], or empty
-    std::vector<Vec3> away_at_rest;          // direction into the fluid, [dummies]
     std::vector<double> vx, vy, vz;          // what the pair loop sees [m/s], [dummies]
     std::vector<double> p;                   // extrapolated pressure [Pa], [dummies]
     std::vector<double> share;               // of the lattice's cell that is solid, [dummies]

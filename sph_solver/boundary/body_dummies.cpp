@@ -35,7 +35,7 @@ std::vector<Dummy> fill_box(const RigidBody& body, double dx, double depth, bool
                 for (int a = 0; a < 3; ++a) x[a] = b.min[a] + part[a] * (b.max[a] - b.min[a]);
                 if (flat) x[1] = 0;
                 const FromSurface from = body.at_rest(x);
-                if (from.distance > -depth) dummies.push_back({x, from.away, share});
+                if (from.distance > -depth) dummies.push_back({x, share});
             }
     return dummies;
 }
@@ -57,7 +57,7 @@ Dummy cut_cell(const RigidBody& body, const Vec3& middle, double dx, bool flat) 
                 sum += solid;
                 moment = moment + solid * offset;
             }
-    Dummy dummy{middle, {}, sum / (flat ? samples * samples : samples * samples * samples)};
+    Dummy dummy{middle, sum / (flat ? samples * samples : samples * samples * samples)};
     if (sum > 0) dummy.x = middle + (1 / sum) * moment;
     return dummy;
 }
@@ -101,10 +101,9 @@ std::vector<Dummy> fill_lattice(const RigidBody& body, const Case& input, double
                     ix += static_cast<int>(beyond / dx);
                     continue;
                 }
-                Dummy dummy{x, from.away, 1};
+                Dummy dummy{x, 1};
                 if (from.distance > -half_diagonal) {
                     dummy = cut_cell(body, x, dx, flat);
-                    dummy.away = body.at_rest(dummy.x).away;
                 }
                 if (dummy.share > 0.01) dummies.push_back(dummy);
             }

@@ -9,7 +9,6 @@ namespace undertow::sph {
 
 struct Dummy {
     Vec3 x;         // [m] in the body's place at rest
-    Vec3 away;      // unit vector into the fluid
     double share;   // of dx^d
 };
 

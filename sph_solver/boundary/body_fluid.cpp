@@ -13,23 +13,28 @@ namespace {
 struct Continued {
     double weight = 0;              // sum of W
     double pressure = 0;            // sum of W (p + hydrostatic part)
-    double u[3] = {0, 0, 0};        // sum of W v
+    double u[3] = {0, 0, 0};        // sum of W v, reflected
     double viscosity = 0;           // sum of W mu
-    Vec3 offset{};                  // sum of W (x_f - x_w) [m]
     double share[FluidTag::most] = {};   // of `weight`, by fluid
 };
 
-void set(Bodies& bodies, int d, double h, const Continued& sum) {
+/// Reflected velocity of a record: of a particle, or of its image.   [m/s]
+Vec3 shown(int record, const Neighborhood& neighbors, const MirrorPlanes& mirror,
+           const std::vector<Vec3>& reflected) {
+    if (record < neighbors.fluid_count()) return reflected[record];
+    const Extra& extra = neighbors.extras()[record - neighbors.fluid_count()];
+    const Vec3& v = reflected[extra.source];
+    const auto& m = mirror.reflection(extra.mask).m;
+    return {m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2],
+            m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
+            m[2][0] * v[0] + m[2][1] * v[1] + m[2][2] * v[2]};
+}
+
+void set(Bodies& bodies, int d, const Continued& sum) {
     const Pose& pose = bodies.body[bodies.owner[d]].pose();
-    const Vec3 wall = pose.velocity_at({bodies.x[d], bodies.y[d], bodies.z[d]});
-    Vec3 v = wall;
-    if (sum.weight > 0) {
-        const double off = length(sum.offset);
-        const Vec3 away = off > 0.1 * h * sum.weight ? (1 / off) * sum.offset
-                                                     : pose.direction(bodies.away_at_rest[d]);
-        const Vec3 mean{sum.u[0] / sum.weight, sum.u[1] / sum.weight, sum.u[2] / sum.weight};
-        v = mean - 2 * dot(mean - wall, away) * away;
-    }
+    Vec3 v = pose.velocity_at({bodies.x[d], bodies.y[d], bodies.z[d]});
+    if (sum.weight > 0)
+        v = {sum.u[0] / sum.weight, sum.u[1] / sum.weight, sum.u[2] / sum.weight};
     bodies.vx[d] = v[0], bodies.vy[d] = v[1], bodies.vz[d] = v[2];
     bodies.p[d] = sum.weight > 0 ? std::max(0.0, sum.pressure / sum.weight) : 0;
     bodies.viscosity[d] = static_cast<float>(sum.weight > 0 ? sum.viscosity / sum.weight : 0);
@@ -38,7 +43,8 @@ void set(Bodies& bodies, int d, double h, const Continued& sum) {
 }
 
 template <class KernelLaw>
-void continue_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors, Bodies& bodies) {
+void continue_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
+                   const MirrorPlanes& mirror, const std::vector<Vec3>& reflected, Bodies& bodies) {
     const std::vector<int>& targets = neighbors.body_targets();
     const ClusterLists& lists = neighbors.body_lists();
     const std::vector<Packed>& records = neighbors.records();
@@ -72,19 +78,20 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics, const Ne
             if (viscous) sum.viscosity += w * neighbors.viscosity()[*at];
             sum.pressure +=
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
-            sum.offset = sum.offset - w * Vec3{dx, dy, dz};
-            sum.u[0] += w * q.vx, sum.u[1] += w * q.vy, sum.u[2] += w * q.vz;
+            const Vec3 v = shown(*at, neighbors, mirror, reflected);
+            for (int a = 0; a < 3; ++a) sum.u[a] += w * v[a];
         }
-        set(bodies, d, physics.h, sum);
+        set(bodies, d, sum);
     }
 }
 
 }  // namespace
 
 void continue_into_bodies(const PairPhysics& physics, const Neighborhood& neighbors,
+                          const MirrorPlanes& mirror, const std::vector<Vec3>& reflected,
                           Bodies& bodies) {
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        continue_with(kernel, physics, neighbors, bodies);
+        continue_with(kernel, physics, neighbors, mirror, reflected, bodies);
     });
 }
 

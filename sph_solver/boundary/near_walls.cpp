@@ -15,10 +15,9 @@ constexpr double shear_range = 1.5;   // [dx] where the weight of add_stress end
 }  // namespace
 
 int NearWalls::put_back(Particles& particles, const Bodies& bodies, const Periodic& periodic,
-                        double travelled, double skin) {
+                        double travelled, double range) {
     candidates_.clear();
     if (bodies.count() == 0) return 0;
-    const double range = shear_range * spacing_ + skin;
     Particles& s = particles;
     for (std::size_t i = 0; i < s.size(); ++i) {
         if (s.id[i] >= static_cast<std::int64_t>(safe_until_.size()))
@@ -63,6 +62,7 @@ int NearWalls::put_back(Particles& particles, const Bodies& bodies, const Period
 void NearWalls::find(const Particles& particles, const MirrorPlanes& mirror, const Bodies& bodies,
                      const std::vector<int>& index, double skin) {
     rubbing_.clear();
+    near_.clear();
     const double range = shear_range * spacing_ + skin;
     for (int k = 0; k < mirror.size(); ++k) {
         if (mirror.plane(k).slip == Slip::free_slip) continue;
@@ -73,11 +73,32 @@ void NearWalls::find(const Particles& particles, const MirrorPlanes& mirror, con
     for (const Candidate& c : candidates_) {
         const RigidBody& b = bodies.body[c.body];
         const int i = index[c.id];
-        if (b.body().slip == Slip::free_slip || i < 0) continue;
+        if (i < 0) continue;   // it has left the domain
         const Vec3 x{particles.x[i], particles.y[i], particles.z[i]};
         const Vec3 foot = x - c.from.distance * c.from.away;
-        rubbing_.push_back({i, mirror.size() + c.body, b.pose().to_rest(foot),
-                            b.pose().direction_at_rest(c.from.away)});
+        near_.push_back({i, mirror.size() + c.body, b.pose().to_rest(foot),
+                         b.pose().direction_at_rest(c.from.away)});
+        if (b.body().slip != Slip::free_slip && c.from.distance < range)
+            rubbing_.push_back(near_.back());
+    }
+}
+
+void NearWalls::reflect(const Particles& s, const Bodies& bodies,
+                        std::vector<Vec3>& velocity) const {
+    const int n = static_cast<int>(s.size()), near = static_cast<int>(near_.size());
+    velocity.resize(n);
+#pragma omp parallel
+    {
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i) velocity[i] = {s.vx[i], s.vy[i], s.vz[i]};
+#pragma omp for schedule(static)
+        for (int k = 0; k < near; ++k) {
+            const Rubbing& r = near_[k];
+            const Pose& pose = bodies.body[r.wall - planes_].pose();
+            const Vec3 away = pose.direction(r.away), foot = pose.to_space(r.foot);
+            Vec3& v = velocity[r.particle];
+            v = v - 2 * dot(v - pose.velocity_at(foot), away) * away;
+        }
     }
 }
 

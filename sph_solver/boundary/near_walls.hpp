@@ -13,23 +13,29 @@ namespace undertow::sph {
 
 class NearWalls {
  public:
-    /// walls: planes and bodies.
-    NearWalls(double spacing, int walls, int fluids)
+    NearWalls(double spacing, int planes, int bodies, int fluids)
         : spacing_(spacing),
+          planes_(planes),
           fluids_(fluids),
-          stress_(std::size_t(walls) * fluids, Vec3{}),
+          stress_(std::size_t(planes + bodies) * fluids, Vec3{}),
           coulomb_(stress_) {}
 
     /// Before lists are rebuilt. A particle inside a body comes to its mirror place with its approach
     /// reversed. travelled: bound on how far any particle went relative to any body since the start
     /// [m], so that one far from all bodies is not asked again until it may have come near.
-    /// Returns how many were put back.
+    /// range: of the kernel and the skin [m]. Returns how many were put back.
     int put_back(Particles& particles, const Bodies& bodies, const Periodic& periodic,
-                 double travelled, double skin);
+                 double travelled, double range);
 
     /// After the particles are sorted. index: of each identity.
     void find(const Particles& particles, const MirrorPlanes& mirror, const Bodies& bodies,
               const std::vector<int>& index, double skin);
+
+    /// Velocities as a body's surface reflects them, v - 2 [(v - v_wall) . n] n with n at the particle:
+    /// what a body shows of the fluid beside it. Where no body is near, the particle's own.
+    /// velocity: [m/s], [n]
+    void reflect(const Particles& particles, const Bodies& bodies,
+                 std::vector<Vec3>& velocity) const;
 
     /// dv/dt = -tau w(z)/(rho dx) along the slip velocity at no-slip walls, tau by the law of the
     /// wall. The weight w = 1 - |z - dx/2|/dx shares the stress out among the layers of a lattice at
@@ -73,9 +79,10 @@ class NearWalls {
     }
 
     double spacing_;   // [m]
-    int fluids_;
+    int planes_, fluids_;
     std::vector<Vec3> stress_, coulomb_;   // [N], [walls, fluids]
-    std::vector<Rubbing> rubbing_;
+    std::vector<Rubbing> rubbing_;   // beside rough walls
+    std::vector<Rubbing> near_;      // within the kernel's range of a body
     std::vector<Candidate> candidates_;
     std::vector<double> safe_until_;   // `travelled` of the next question [m], by identity
 };

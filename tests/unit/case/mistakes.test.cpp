@@ -32,7 +32,7 @@ const Mistake mistakes[] = {
      "case.toml:12:7: sph.fill.0.box = {...} is 1 m thin in x: it must be at least one spacing"},
     {"spacing = 0.1", "spacing = 0.1\nkernel = \"wendland_c3\"",
      "case.toml:7:10: sph.kernel = \"wendland_c3\" is not known: allowed are cubic_spline, "
-     "wendland_c2; did you mean \"wendland_c2\"?"},
+     "wendland_c2, wendland_c4; did you mean \"wendland_c2\"?"},
     {"spacing = 0.1", "spacing = 0.1\nsurface_images = 1",
      "case.toml:7:18: sph.surface_images = 1 is an integer: true or false is expected."},
     {"spacing = 0.1", "spacing = 0.1\ncfl = -0.1", "case.toml:7:7: sph.cfl = -0.1 is not allowed"},
