@@ -13,7 +13,8 @@ namespace {
 struct Continued {
     double weight = 0;              // sum of W
     double pressure = 0;            // sum of W (p + hydrostatic part)
-    double u[3] = {0, 0, 0};        // sum of W v, reflected
+    double moving = 0;              // sum of V F
+    double u[3] = {0, 0, 0};        // sum of V F v, reflected
     double viscosity = 0;           // sum of W mu
     double share[FluidTag::most] = {};   // of `weight`, by fluid
 };
@@ -33,8 +34,8 @@ Vec3 shown(int record, const Neighborhood& neighbors, const MirrorPlanes& mirror
 void set(Bodies& bodies, int d, const Continued& sum) {
     const Pose& pose = bodies.body[bodies.owner[d]].pose();
     Vec3 v = pose.velocity_at({bodies.x[d], bodies.y[d], bodies.z[d]});
-    if (sum.weight > 0)
-        v = {sum.u[0] / sum.weight, sum.u[1] / sum.weight, sum.u[2] / sum.weight};
+    if (sum.moving > 0)
+        v = {sum.u[0] / sum.moving, sum.u[1] / sum.moving, sum.u[2] / sum.moving};
     bodies.vx[d] = v[0], bodies.vy[d] = v[1], bodies.vz[d] = v[2];
     bodies.p[d] = sum.weight > 0 ? std::max(0.0, sum.pressure / sum.weight) : 0;
     bodies.viscosity[d] = static_cast<float>(sum.weight > 0 ? sum.viscosity / sum.weight : 0);
@@ -79,7 +80,10 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics, const Ne
             sum.pressure +=
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
             const Vec3 v = shown(*at, neighbors, mirror, reflected);
-            for (int a = 0; a < 3; ++a) sum.u[a] += w * v[a];
+            // the weight of a viscous pair: then the dummy as a whole takes no shear force
+            const double f = q.volume * KernelLaw::gradient_factor(r2, 1 / physics.h);
+            sum.moving += f;
+            for (int a = 0; a < 3; ++a) sum.u[a] += f * v[a];
         }
         set(bodies, d, sum);
     }

@@ -103,6 +103,8 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
         if (bodies.x[d] < lo_[0] || bodies.x[d] > hi_[0] || bodies.y[d] < lo_[1] ||
             bodies.y[d] > hi_[1] || bodies.z[d] < lo_[2] || bodies.z[d] > hi_[2])
             continue;   // nothing of the fluid is near
+        // behind a plane stand the images of what is before it
+        if (mirror.behind(bodies.x[d], bodies.y[d], bodies.z[d])) continue;
         unsorted_extras_.push_back({d, 0, true});
         add_images(d, bodies.x[d], bodies.y[d], bodies.z[d], true);
     }
