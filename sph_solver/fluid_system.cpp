@@ -73,6 +73,19 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
                     "\"{}\": its normal must point into the fluid.", input.file, particles.x[i],
                     particles.y[i], particles.z[i], mirror_.plane(k).name));
     }
+    if (input.sph.lattice == FillLattice::relaxed) {
+        relaxation_ = relax(*this, input);
+        for (std::size_t i = 0; i < particles.size(); ++i)
+            particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);
+        reach_ = 1e300, rebuilds_ = 0, list_age_ = 0;
+    }
+}
+
+void FluidSystem::sum_under_even_pressure() {
+    refresh_neighbors(0);
+    pack(0);
+    for (Packed& q : neighbors_.records()) q.p = 1, q.vx = q.vy = q.vz = 0;
+    undertow::sph::sum_over_neighbors(physics_, neighbors_, Terms::force, particles);
 }
 
 bool FluidSystem::refresh_neighbors(double t) {

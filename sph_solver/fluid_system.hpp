@@ -13,6 +13,7 @@
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/setup/relaxation.hpp"
 #include "sph_solver/setup/start.hpp"
 
 namespace undertow::sph {
@@ -62,6 +63,14 @@ class FluidSystem {
     /// Puts particles that got behind a wall back and those beyond a face of a periodic axis to the
     /// other side; removes those that left the domain.
     void keep_inside();
+
+    // ---- of the start
+    /// Accelerations at rest under a pressure of 1 Pa everywhere: -2/rho sum V grad W.   [m/s2]
+    void sum_under_even_pressure();
+    /// Particles were moved by up to this much [m], other than by kick_and_drift.
+    void moved(double distance) { reach_ += distance, travelled_ += distance; }
+    /// What sph.lattice = "relaxed" did.
+    const Relaxation& relaxation() const { return relaxation_; }
 
     /// Index of a particle by identity, -1 if it was removed.
     int index_of(std::int64_t id) const { return index_[id]; }
@@ -124,6 +133,7 @@ class FluidSystem {
     bool with_surface_images_;
     std::optional<Box> domain_;
     std::optional<Start> start_;
+    Relaxation relaxation_;
     NearWalls near_walls_;
     std::vector<Vec3> reflected_;   // velocities as bodies show them [m/s], [n]
     double bodies_travelled_ = 0;   // bound on displacement since the start [m]

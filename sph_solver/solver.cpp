@@ -80,6 +80,18 @@ int run(const Case& input, const SolverOptions& options) {
                                      ? ""
                                      : ", the largest that does not shorten the step"));
 
+    if (input.sph.lattice == FillLattice::relaxed)
+        log_info(fmt::format("relaxed start: {} iterations, unevenness {:.3g} -> {:.3g}",
+                             fluid.relaxation().iterations, fluid.relaxation().before,
+                             fluid.relaxation().after));
+    for (const RigidBody& b : fluid.bodies.body)
+        log_info(fmt::format(
+            "body \"{}\": {:.4g} x {:.4g} x {:.4g} m{}, {} dummies", b.body().name,
+            b.bounds().max[0] - b.bounds().min[0], b.bounds().max[1] - b.bounds().min[1],
+            b.bounds().max[2] - b.bounds().min[2],
+            b.surface() ? fmt::format(", {} facets", b.surface()->facets()) : "",
+            fluid.bodies.dummies_of(static_cast<int>(&b - fluid.bodies.body.data()))));
+
     if (fluid.start().end() > 0)
         log_info(fmt::format("start: damped at {:.4g} 1/s until {:.4g} s, all let go at {:.4g} s",
                              fluid.start().damping(), input.start.settle, fluid.start().end()));

@@ -2,6 +2,7 @@
 // Rigid bodies (gates, piles, tanks, wave makers) as dummy particles, at rest or moving. A dummy
 // carries the pressure of the fluid next to it, see body_fluid.hpp.
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -53,6 +54,7 @@ struct Bodies {
     std::vector<RigidBody> body;
 
     int size() const { return static_cast<int>(x.size()); }
+    int dummies_of(int k) const { return static_cast<int>(std::count(owner.begin(), owner.end(), k)); }
     int count() const { return static_cast<int>(body.size()); }
 
     /// Moves all dummies to time t.

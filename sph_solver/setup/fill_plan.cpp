@@ -51,7 +51,37 @@ FillPlan::FillPlan(const Case& input) : sph_(input.sph), flat_(input.info.dimens
             throw InputError(fmt::format("{}: sph.fill: there is no sph.fluid \"{}\".", input.file,
                                          fill.fluid));
         fluid_.push_back(static_cast<int>(named - sph_.fluid.begin()));
+        within_.push_back(cells_within(fill, input, within_.size()));
     }
+}
+
+FillPlan::Cells FillPlan::cells_within(const Fill& fill, const Case& input, std::size_t k) const {
+    Cells cells;
+    if (fill.within.radius == 0 && fill.within.stl.empty()) return cells;
+    const Solid solid(fill.within, flat_, input.folder,
+                      fmt::format("{}: sph.fill[{}]", input.file, k));
+    for (int a = 0; a < 3; ++a)
+        cells.n[a] = flat_ && a == 1
+                         ? 1
+                         : static_cast<int>(
+                               std::lround((fill.box.max[a] - fill.box.min[a]) / sph_.spacing));
+    for (int iz = 0; iz < cells.n[2]; ++iz)
+        for (int iy = 0; iy < cells.n[1]; ++iy)
+            for (int ix = 0; ix < cells.n[0]; ++ix) {
+                Vec3 x = fill.box.min;
+                x[0] += (ix + 0.5) * sph_.spacing, x[2] += (iz + 0.5) * sph_.spacing;
+                x[1] = flat_ ? 0 : x[1] + (iy + 0.5) * sph_.spacing;
+                cells.inside.push_back(solid(x).distance < 0);
+            }
+    return cells;
+}
+
+bool FillPlan::in_body(const Vec3& x) const {
+    for (const Solid& o : obstacle_)
+        if (o(x).distance < 0) return true;
+    for (const RigidBody& b : body_)
+        if (b.now(x, {}).distance < 0) return true;
+    return false;
 }
 
 bool FillPlan::contains(int k, const Vec3& at) const {
@@ -61,6 +91,15 @@ bool FillPlan::contains(int k, const Vec3& at) const {
         x[a] = at[a] + behind_[k][a];
         if (flat_ && a == 1) continue;
         if (x[a] < fill.box.min[a] || x[a] > fill.box.max[a]) return false;
+    }
+    if (const Cells& cells = within_[k]; !cells.inside.empty()) {
+        int cell[3];
+        for (int a = 0; a < 3; ++a) {
+            const double at_cell = (x[a] - fill.box.min[a]) / sph_.spacing;
+            cell[a] = flat_ && a == 1 ? 0 : std::clamp(static_cast<int>(at_cell), 0, cells.n[a] - 1);
+        }
+        if (!cells.inside[(std::size_t(cell[2]) * cells.n[1] + cell[1]) * cells.n[0] + cell[0]])
+            return false;
     }
     // cell centers often lie exactly on a 45 degree face: a hair aside, all fall on the same side
     const double hair = 1e-6 * sph_.spacing;

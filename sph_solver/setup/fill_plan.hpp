@@ -30,6 +30,9 @@ class FillPlan {
     /// whole cells keeps the volume around a curved body right in the mean.
     bool clear_obstacles(Vec3& x) const;
 
+    /// Inside an obstacle or in the material of a body.
+    bool in_body(const Vec3& x) const;
+
     /// Pressure at x under everything that lies above it in its column [Pa]. density: [kg/m3] of
     /// each fluid at zero pressure, in the order of [[sph.fluid]]; g: [m/s2] downward.
     double pressure_at(const Vec3& x, const std::vector<double>& density, double g) const;
@@ -39,10 +42,18 @@ class FillPlan {
  private:
     bool contains(int fill, const Vec3& x) const;
 
+    /// Which cells of a fill's box have their middle in its cylinder or STL file.
+    struct Cells {
+        int n[3] = {0, 0, 0};
+        std::vector<bool> inside;   // [n], empty where the fill has no such shape
+    };
+    Cells cells_within(const Fill& fill, const Case& input, std::size_t k) const;
+
     const SphSettings& sph_;
     bool flat_;
     std::vector<Vec3> behind_;    // [m] ramp_distance of each fill
     std::vector<int> fluid_;
+    std::vector<Cells> within_;   // [fills]
     std::vector<Solid> obstacle_;
     std::vector<RigidBody> body_;
 };

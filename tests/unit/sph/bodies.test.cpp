@@ -99,10 +99,14 @@ TEST_CASE("a column rests on a ramp of 30 degrees") {
     // the water's surface at 0.2 m, the ramp through (0.2, 0.2 - rise): 0.23 m at the most
     input.sph.fill[0].box = {{0, 0, -0.2}, {0.4, 0, 0.2}};
     FluidSystem fluid(input, 0.4);
-    const double speed = settle(fluid, 2500);
-    INFO("speed over c0: " << speed / fluid.fluid().c0);
+    // the count of lattice points above a slope is right to a percent: the level follows from it
+    const double level = 0.2 + (fluid.particles.size() * 1e-4 - 0.4 * rise) / 0.4;
+    CHECK(level == Approx(0.2).epsilon(0.02));
+    const double speed = settle(fluid, 1500);
+    WARN("ramp: level " << level << " m, speed over c0 " << speed / fluid.fluid().c0
+                        << ", pressure over hydrostatic " << pressure_ratio(fluid, level));
     CHECK(speed < 0.01 * fluid.fluid().c0);   // the lattice does not fit the slope and rearranges
-    CHECK(pressure_ratio(fluid, 0.2) == Approx(1).epsilon(0.02));
+    CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.01));
     CHECK(inside_bodies(fluid) == 0);
 }
 
@@ -116,8 +120,9 @@ TEST_CASE("a round tank holds its water") {
     FluidSystem fluid(input, 0.4);
     const double area = fluid.particles.size() * 1e-4;
     CHECK(area == Approx(0.5 * M_PI * 0.04).epsilon(0.02));
-    const double speed = settle(fluid, 2500);
-    INFO("speed over c0: " << speed / fluid.fluid().c0);
+    const double speed = settle(fluid, 1500);
+    WARN("tank: area " << area << ", speed over c0 " << speed / fluid.fluid().c0
+                       << ", pressure over hydrostatic " << pressure_ratio(fluid, 0.2));
     CHECK(speed < 0.01 * fluid.fluid().c0);
     CHECK(inside_bodies(fluid) == 0);
     CHECK(pressure_ratio(fluid, 0.2) == Approx(1).epsilon(0.03));
@@ -125,7 +130,7 @@ TEST_CASE("a round tank holds its water") {
 }
 
 TEST_CASE("a submerged cylinder has the buoyancy of Archimedes") {
-    const double dx = GENERATE(0.02, 0.01);
+    const double dx = GENERATE(0.02, 0.0125);
     Case input = scenes::water_box(dx, {0.6, 0, 0.6}, 2);
     scenes::add_basin(input, {0.6, 0, 0.6});
     input.sph.smoothing_ratio = 1.5;
@@ -135,18 +140,44 @@ TEST_CASE("a submerged cylinder has the buoyancy of Archimedes") {
     const double dt = 0.9 * dx / fluid.fluid().c0;
     double t = 0, before = 0, sum = 0;
     int count = 0;
-    const int steps = 1200;
+    const int steps = 800;
     for (int n = 0; n < steps; ++n) {
         scenes::two_pass_step(fluid, t, dt, before);
         before = dt;
-        if (n < 800)
+        if (n < 500)
             for (std::size_t i = 0; i < fluid.particles.size(); ++i)
                 fluid.particles.vx[i] *= 0.97, fluid.particles.vz[i] *= 0.97;
         if (n >= steps - 200) sum += total_force(fluid, 3)[2], ++count;
     }
     const double ratio = sum / count / (rho * g * M_PI * 0.01);
     WARN("dx = " << dx << ": buoyancy over Archimedes = " << ratio);
-    CHECK(ratio == Approx(1).epsilon(dx > 0.015 ? 0.04 : 0.02));
+    CHECK(ratio == Approx(1).epsilon(0.01));
+}
+
+TEST_CASE("a relaxed start saves most of the noise of a lattice cut by a round tank") {
+    double speed[2];
+    for (const bool relaxed : {false, true}) {
+        Case input = scenes::water_box(0.01, {0.4, 0, 0.2}, 2);
+        input.sph.smoothing_ratio = 1.5;
+        input.sph.lattice = relaxed ? FillLattice::relaxed : FillLattice::square;
+        Body tank = body("tank", {.from = {0.2, -1, 0.2}, .to = {0.2, 1, 0.2}, .radius = 0.2});
+        tank.inside = true;
+        input.sph.body = {tank};
+        FluidSystem fluid(input, 0.4);
+        const double dt = 0.9 * 0.01 / fluid.fluid().c0;
+        double t = 0, before = 0, sum = 0;
+        for (int n = 0; n < 400; ++n) {
+            scenes::two_pass_step(fluid, t, dt, before);
+            before = dt;
+            for (std::size_t i = 0; i < fluid.particles.size(); ++i)
+                sum += std::pow(fluid.particles.vx[i], 2) + std::pow(fluid.particles.vz[i], 2);
+        }
+        speed[relaxed] = std::sqrt(sum / 400 / fluid.particles.size()) / fluid.fluid().c0;
+        WARN((relaxed ? "relaxed" : "square") << ": rms speed over c0 " << speed[relaxed] << ", "
+             << fluid.relaxation().iterations << " iterations, unevenness "
+             << fluid.relaxation().before << " -> " << fluid.relaxation().after);
+    }
+    CHECK(speed[1] < 0.5 * speed[0]);
 }
 
 TEST_CASE("what walls feel is opposite to what the fluid feels") {
@@ -178,19 +209,19 @@ TEST_CASE("what walls feel is opposite to what the fluid feels") {
 }
 
 TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
-    const double dx = 0.005, depth = 0.1, speed = 0.5;
-    Case input = scenes::water_box(dx, {0.06, 0, depth}, 2);
+    const double dx = 0.01, depth = 0.1, speed = 0.5;
+    Case input = scenes::water_box(dx, {0.08, 0, depth}, 2);
     input.info.gravity = {0, 0, 0};
     input.sph.max_speed = speed;
     input.sph.fluid[0].viscosity = 10;   // Re = 5
     input.sph.smoothing_ratio = 1.5;     // at 1.2 a lattice's viscosity is 3 % low
-    input.sph.domain = Box{{0, 0, -0.1}, {0.06, 0, 0.2}};
+    input.sph.domain = Box{{0, 0, -0.1}, {0.08, 0, 0.2}};
     input.sph.periodic = {"x"};
     input.sph.artificial_viscosity = 0;
-    Body lid = body("lid", {.box = Box{{0, 0, depth}, {0.06, 0, depth + 0.02}}});
+    Body lid = body("lid", {.box = Box{{0, 0, depth}, {0.08, 0, depth + 0.03}}});
     lid.velocity = {speed, 0, 0};
     lid.slip = Slip::no_slip;
-    Body bed = body("bed", {.box = Box{{0, 0, -0.02}, {0.06, 0, 0}}});
+    Body bed = body("bed", {.box = Box{{0, 0, -0.03}, {0.08, 0, 0}}});
     bed.slip = Slip::no_slip;
     input.sph.body = {lid, bed};
     FluidSystem fluid(input, 0.4);
@@ -210,25 +241,27 @@ TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
     WARN("Couette: L2 error " << std::sqrt(error2 / fluid.particles.size()) / speed
                               << ", at walls " << at_walls / speed << " of the lid's speed");
     CHECK(std::sqrt(error2 / fluid.particles.size()) < 0.01 * speed);
+    // the discrete viscosity of a lattice is 1 % low at h = 1.5 dx
     const double stress = 10 * speed / depth;
-    CHECK(total_force(fluid, 1)[0] == Approx(stress * 0.06).epsilon(0.01));
-    CHECK(total_force(fluid, 0)[0] == Approx(-stress * 0.06).epsilon(0.01));
+    CHECK(total_force(fluid, 1)[0] == Approx(stress * 0.08).epsilon(0.02));
+    CHECK(total_force(fluid, 0)[0] == Approx(-stress * 0.08).epsilon(0.02));
 }
 
 TEST_CASE("a block of water on a rough slope sticks below its angle of friction and slides above") {
     const double friction = GENERATE(0.3, 0.8);
-    Case input = scenes::water_box(0.005, {0.1, 0, 0.05}, 2);
+    Case input = scenes::water_box(0.01, {0.1, 0, 0.1}, 2);
+    input.sph.smoothing_ratio = 1.5;
     // the slope is in the direction of gravity: 30 degrees
     input.info.gravity = {0.5 * g, 0, -std::sqrt(0.75) * g};
     input.sph.plane = {scenes::plane("bed", {0, 0, 0}, {0, 0, 1}, Slip::friction)};
     input.sph.plane[0].friction = friction;
     input.sph.domain = Box{{0, 0, -1}, {0.1, 0, 1}};
     input.sph.periodic = {"x"};
-    input.sph.fluid[0].viscosity = 300;   // moves as a block: 8 ms of diffusion
+    input.sph.fluid[0].viscosity = 300;   // moves as a block: 30 ms of diffusion
     input.sph.fluid[0].sound_speed = 10;
     FluidSystem fluid(input, 0.4);
     double t = 0, before = 0;
-    const double dt = 1.2e-5;
+    const double dt = 5e-5;
     while (t < 0.1) {
         fluid.refresh_neighbors(t);
         fluid.pack(t);
@@ -246,7 +279,7 @@ TEST_CASE("a block of water on a rough slope sticks below its angle of friction 
     const double exact = std::max(0.0, 0.5 - friction * std::sqrt(0.75)) * g * 0.1;
     INFO("mean speed " << mean << " m/s, a rigid block has " << exact);
     if (friction > 0.6)
-        CHECK(std::abs(mean) < 0.02);   // shears a little before the bed holds it
+        CHECK(mean < 1.2 * rho * 0.5 * g * 0.01 / (3 * 300));   // a film at rest on its bed: rho g H^2/3 mu
     else
         CHECK(mean == Approx(exact).epsilon(0.03));
 }
@@ -256,6 +289,7 @@ TEST_CASE("a piston drives the pressure of sound, rho c0 v") {
     input.info.gravity = {0, 0, 0};
     input.sph.max_speed = 1;   // c0 = 10 m/s
     input.sph.artificial_viscosity = 0.1;
+    input.sph.smoothing_ratio = 1.5;   // at 1.2 dx a lattice's gradient is 4 % low, at 1.5 dx 1 %
     input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1}),
                        scenes::plane("lid", {0, 0, 0.1}, {0, 0, -1})};
     Body piston = body("piston", {.box = Box{{-0.05, 0, -0.05}, {0, 0, 0.15}}});
@@ -275,6 +309,6 @@ TEST_CASE("a piston drives the pressure of sound, rho c0 v") {
     int n = 0;
     for (std::size_t i = 0; i < fluid.particles.size(); ++i)
         if (fluid.particles.x[i] > 0.05 && fluid.particles.x[i] < 0.5) p += fluid.particles.p[i], ++n;
-    WARN("piston: fluid " << p / n << " Pa, force " << force / count);
+    CHECK(p / n == Approx(rho * 10 * 0.05).epsilon(0.005));
     CHECK(force / count == Approx(rho * 10 * 0.05 * 0.1).epsilon(0.02));
 }
