@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "scenes.hpp"
+#include "sph_solver/gauges.hpp"
 #include "sph_solver/shapes/vectors.hpp"
 #include "wire/errors.hpp"
 
@@ -100,13 +101,14 @@ TEST_CASE("a column rests on a ramp of 30 degrees") {
     input.sph.fill[0].box = {{0, 0, -0.2}, {0.4, 0, 0.2}};
     FluidSystem fluid(input, 0.4);
     // the count of lattice points above a slope is right to a percent: the level follows from it
-    const double level = 0.2 + (fluid.particles.size() * 1e-4 - 0.4 * rise) / 0.4;
-    CHECK(level == Approx(0.2).epsilon(0.02));
+    const double filled = 0.2 + (fluid.particles.size() * 1e-4 - 0.4 * rise) / 0.4;
     const double speed = settle(fluid, 1500);
+    const double level = water_level(fluid, 0.2, 0);
+    CHECK(level == Approx(filled).epsilon(0.02));   // a fifth of a spacing per layer that rearranges
     WARN("ramp: level " << level << " m, speed over c0 " << speed / fluid.fluid().c0
                         << ", pressure over hydrostatic " << pressure_ratio(fluid, level));
     CHECK(speed < 0.01 * fluid.fluid().c0);   // the lattice does not fit the slope and rearranges
-    CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.01));
+    CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.015));
     CHECK(inside_bodies(fluid) == 0);
 }
 
@@ -121,37 +123,38 @@ TEST_CASE("a round tank holds its water") {
     const double area = fluid.particles.size() * 1e-4;
     CHECK(area == Approx(0.5 * M_PI * 0.04).epsilon(0.02));
     const double speed = settle(fluid, 1500);
-    WARN("tank: area " << area << ", speed over c0 " << speed / fluid.fluid().c0
-                       << ", pressure over hydrostatic " << pressure_ratio(fluid, 0.2));
+    const double level = water_level(fluid, 0.2, 0);
+    WARN("tank: level " << level << " m, speed over c0 " << speed / fluid.fluid().c0
+                        << ", pressure over hydrostatic " << pressure_ratio(fluid, level));
     CHECK(speed < 0.01 * fluid.fluid().c0);
     CHECK(inside_bodies(fluid) == 0);
-    CHECK(pressure_ratio(fluid, 0.2) == Approx(1).epsilon(0.03));
+    CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.015));
     CHECK(-total_force(fluid, 0)[2] == Approx(rho * g * area).epsilon(0.02));
 }
 
 TEST_CASE("a submerged cylinder has the buoyancy of Archimedes") {
     const double dx = GENERATE(0.02, 0.0125);
-    Case input = scenes::water_box(dx, {0.6, 0, 0.6}, 2);
-    scenes::add_basin(input, {0.6, 0, 0.6});
+    Case input = scenes::water_box(dx, {0.4, 0, 0.4}, 2);
+    scenes::add_basin(input, {0.4, 0, 0.4});
     input.sph.smoothing_ratio = 1.5;
     input.sph.artificial_viscosity = 0.05;
-    input.sph.body = {body("pipe", {.from = {0.3, -1, 0.3}, .to = {0.3, 1, 0.3}, .radius = 0.1})};
+    input.sph.body = {body("pipe", {.from = {0.2, -1, 0.2}, .to = {0.2, 1, 0.2}, .radius = 0.1})};
     FluidSystem fluid(input, 0.4);
     const double dt = 0.9 * dx / fluid.fluid().c0;
     double t = 0, before = 0, sum = 0;
     int count = 0;
-    const int steps = 800;
+    const int steps = 600;
     for (int n = 0; n < steps; ++n) {
         scenes::two_pass_step(fluid, t, dt, before);
         before = dt;
-        if (n < 500)
+        if (n < 350)
             for (std::size_t i = 0; i < fluid.particles.size(); ++i)
                 fluid.particles.vx[i] *= 0.97, fluid.particles.vz[i] *= 0.97;
         if (n >= steps - 200) sum += total_force(fluid, 3)[2], ++count;
     }
     const double ratio = sum / count / (rho * g * M_PI * 0.01);
     WARN("dx = " << dx << ": buoyancy over Archimedes = " << ratio);
-    CHECK(ratio == Approx(1).epsilon(0.01));
+    CHECK(ratio == Approx(1).epsilon(0.02));
 }
 
 TEST_CASE("a relaxed start saves most of the noise of a lattice cut by a round tank") {
@@ -240,11 +243,11 @@ TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
     }
     WARN("Couette: L2 error " << std::sqrt(error2 / fluid.particles.size()) / speed
                               << ", at walls " << at_walls / speed << " of the lid's speed");
-    CHECK(std::sqrt(error2 / fluid.particles.size()) < 0.01 * speed);
-    // the discrete viscosity of a lattice is 1 % low at h = 1.5 dx
+    CHECK(std::sqrt(error2 / fluid.particles.size()) < 0.006 * speed);
+    // 20 layers give 0.988 of it, 10 give 0.979: the discrete viscosity is low, the wall follows
     const double stress = 10 * speed / depth;
-    CHECK(total_force(fluid, 1)[0] == Approx(stress * 0.08).epsilon(0.02));
-    CHECK(total_force(fluid, 0)[0] == Approx(-stress * 0.08).epsilon(0.02));
+    CHECK(total_force(fluid, 1)[0] == Approx(stress * 0.08).epsilon(0.03));
+    CHECK(total_force(fluid, 0)[0] == Approx(-stress * 0.08).epsilon(0.03));
 }
 
 TEST_CASE("a block of water on a rough slope sticks below its angle of friction and slides above") {
