@@ -26,10 +26,10 @@ class FluxMeter {
     bool inside(const FluidSystem& fluid, std::size_t i, double& beyond) const;
 
     Box box_;
-    int normal_;       // axis across the rectangle
-    double forward_;   // 1 or -1: which way along the axis counts
+    int normal_;      // axis across the rectangle
+    double forward_;  // 1 or -1: which way along the axis counts
     double total_ = 0;
-    std::vector<std::int8_t> side_;   // by identity: -1 before, 1 beyond, 0 not near
+    std::vector<std::int8_t> side_;  // by identity: -1 before, 1 beyond, 0 not near
 };
 
 }  // namespace undertow::sph

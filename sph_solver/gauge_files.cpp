@@ -13,11 +13,15 @@ namespace {
 std::vector<std::string> columns_of(const SphGauge& gauge) {
     const std::string& name = gauge.name;
     switch (gauge.kind) {
-        case SphGaugeKind::pressure: return {name + " [Pa]"};
-        case SphGaugeKind::flux: return {name + " [m3/s]", name + ".total [m3]"};
-        case SphGaugeKind::force: return {name + ".fx [N]", name + ".fy [N]", name + ".fz [N]"};
+        case SphGaugeKind::pressure:
+            return {name + " [Pa]"};
+        case SphGaugeKind::flux:
+            return {name + " [m3/s]", name + ".total [m3]"};
+        case SphGaugeKind::force:
+            return {name + ".fx [N]", name + ".fy [N]", name + ".fz [N]"};
         case SphGaugeKind::front:
-        case SphGaugeKind::water_level: break;
+        case SphGaugeKind::water_level:
+            break;
     }
     return {name + " [m]"};
 }
@@ -56,20 +60,22 @@ GaugeFiles::GaugeFiles(const Case& input, const std::string& folder) : gauges_(i
 std::vector<double> GaugeFiles::read(const SphGauge& gauge, const FluidSystem& fluid,
                                      std::vector<Vec3>& wall_forces) {
     switch (gauge.kind) {
-        case SphGaugeKind::front: return {front_position(fluid, gauge.direction)};
-        case SphGaugeKind::pressure: return {interpolate(fluid, gauge.point).p};
+        case SphGaugeKind::front:
+            return {front_position(fluid, gauge.direction)};
+        case SphGaugeKind::pressure:
+            return {interpolate(fluid, gauge.point).p};
         case SphGaugeKind::water_level:
             return {water_level(fluid, gauge.point[0], gauge.point[1])};
         case SphGaugeKind::flux: {
             const FluxMeter& meter = meters_.at(gauge.name);
             return {meter.rate(fluid), meter.total()};
         }
-        case SphGaugeKind::force: break;
+        case SphGaugeKind::force:
+            break;
     }
     if (wall_forces.empty()) wall_forces = fluid.wall_forces();
     const std::size_t fluids = fluid.fluids().size();
-    const std::size_t wall =
-        std::find(walls_.begin(), walls_.end(), gauge.wall) - walls_.begin();
+    const std::size_t wall = std::find(walls_.begin(), walls_.end(), gauge.wall) - walls_.begin();
     std::vector<double> sum(3, 0.0);
     for (std::size_t k = wall * fluids; k < (wall + 1) * fluids; ++k)
         for (int a = 0; a < 3; ++a) sum[a] += wall_forces[k][a];
@@ -78,7 +84,7 @@ std::vector<double> GaugeFiles::read(const SphGauge& gauge, const FluidSystem& f
 
 void GaugeFiles::observe(double t, const FluidSystem& fluid) {
     for (auto& [name, meter] : meters_) meter.count(fluid);
-    std::vector<Vec3> wall_forces;   // found once, if at all
+    std::vector<Vec3> wall_forces;  // found once, if at all
     for (Group& group : groups_) {
         if (!group.times.due(t)) continue;
         std::vector<double> row{t};

@@ -26,15 +26,15 @@ class GaugeFiles {
  private:
     struct Group {
         HistoryTimes times;
-        std::vector<std::size_t> gauges;   // indices
+        std::vector<std::size_t> gauges;  // indices
         std::unique_ptr<History> file;
     };
     std::vector<double> read(const SphGauge& gauge, const FluidSystem& fluid,
                              std::vector<Vec3>& wall_forces);
 
     std::vector<SphGauge> gauges_;
-    std::vector<std::string> walls_;             // planes, then bodies
-    std::map<std::string, FluxMeter> meters_;    // by gauge
+    std::vector<std::string> walls_;           // planes, then bodies
+    std::map<std::string, FluxMeter> meters_;  // by gauge
     std::vector<Group> groups_;
 };
 

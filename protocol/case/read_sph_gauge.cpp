@@ -37,21 +37,23 @@ void read_rectangle(TableReader& reader, SphGauge& gauge, const SphSettings& sph
         if (gauge.box.min[k] > gauge.box.max[k])
             reader.reject("box", std::string("is not allowed: min is above max in ") + axis + ".");
         if (gauge.box.min[k] == gauge.box.max[k]) ++flat, normal = k;
-        if (sph.domain && (gauge.box.max[k] < sph.domain->min[k] ||
-                           gauge.box.min[k] > sph.domain->max[k]))
+        if (sph.domain &&
+            (gauge.box.max[k] < sph.domain->min[k] || gauge.box.min[k] > sph.domain->max[k]))
             reader.reject("box", std::string("lies outside sph.domain in ") + axis +
                                      ": nothing ever crosses it.");
     }
     if (flat != 1)
-        reader.reject("box", "is not a rectangle: min and max must be equal in exactly one "
-                             "direction, across which the flux is measured.");
+        reader.reject("box",
+                      "is not a rectangle: min and max must be equal in exactly one "
+                      "direction, across which the flux is measured.");
     if (!reader.has("direction")) {
         gauge.direction = {};
         gauge.direction[normal] = 1;
     }
     if (std::abs(gauge.direction[normal]) < 1 - 1e-9)
-        reader.reject("direction", "does not fit: the flux counts across the flat side of the "
-                                   "rectangle; give its normal, or the opposite.");
+        reader.reject("direction",
+                      "does not fit: the flux counts across the flat side of the "
+                      "rectangle; give its normal, or the opposite.");
 }
 
 void read_wall(TableReader& reader, SphGauge& gauge, const SphSettings& sph) {
@@ -60,7 +62,8 @@ void read_wall(TableReader& reader, SphGauge& gauge, const SphSettings& sph) {
     for (const PlaneWall& plane : sph.plane) walls.push_back(plane.name);
     for (const Body& body : sph.body) walls.push_back(body.name);
     if (walls.empty() && reader.has("wall"))
-        reader.reject("wall", "does not exist: the case has neither [[sph.plane]] nor [[sph.body]].");
+        reader.reject("wall",
+                      "does not exist: the case has neither [[sph.plane]] nor [[sph.body]].");
     reader.word("wall", gauge.wall, walls);
 }
 

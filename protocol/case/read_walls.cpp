@@ -17,7 +17,8 @@ void read_slip(TableReader& reader, Slip& slip, double& friction) {
     reader.choice<Slip>("slip", slip, slip_names);
     reader.number("friction", friction, closed(0, 2));
     if (slip == Slip::friction && !reader.has("friction"))
-        reader.reject("slip", "needs friction, the Coulomb coefficient, for example friction = 0.3.");
+        reader.reject("slip",
+                      "needs friction, the Coulomb coefficient, for example friction = 0.3.");
     if (slip != Slip::friction && reader.has("friction"))
         reader.reject("friction", "has no effect: give slip = \"friction\" beside it.");
 }
@@ -56,8 +57,9 @@ void read_motion(TableReader& reader, Body& body, const CaseInfo& info) {
     Vec3 constant{};
     reader.vector("displacement", constant, body.displacement, "t", "m");
     if (reader.has("displacement") && body.displacement.empty())
-        reader.reject("displacement", "does not move anything: give formulas of t, for example "
-                                      "[\"0.1*sin(2*pi*t)\", 0, 0].");
+        reader.reject("displacement",
+                      "does not move anything: give formulas of t, for example "
+                      "[\"0.1*sin(2*pi*t)\", 0, 0].");
     if (info.dimension == 2 && !body.displacement.empty() && body.displacement[1].text() != "0")
         reader.reject("displacement",
                       "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
@@ -72,8 +74,9 @@ void read_motion(TableReader& reader, Body& body, const CaseInfo& info) {
                       "is one law too many: velocity, displacement and motion exclude each other.");
     for (const char* key : {"start", "stop"})
         if (reader.has(key) && !reader.has("velocity"))
-            reader.reject(key, "has no effect: it belongs to velocity; a formula or a table says "
-                               "itself when it moves.");
+            reader.reject(key,
+                          "has no effect: it belongs to velocity; a formula or a table says "
+                          "itself when it moves.");
     if (reader.has("motion") && reader.has("angle"))
         reader.reject("angle", "is one law too many: a motion file may have a column for it.");
     for (const char* key : {"axis", "center"})
@@ -126,12 +129,14 @@ void read_cylinder_or_stl(TableReader& reader, Shape& shape, const CaseInfo& inf
             reader.reject("to", "is not allowed: the axis has no length.");
         if (info.dimension == 2 && reader.has("from") && reader.has("to") &&
             (shape.from[0] != shape.to[0] || shape.from[2] != shape.to[2]))
-            reader.reject("to", "is not allowed: in a 2D case, the x-z plane, a cylinder is a disc "
-                                "and its axis runs along y; give to the x and z of from.");
+            reader.reject("to",
+                          "is not allowed: in a 2D case, the x-z plane, a cylinder is a disc "
+                          "and its axis runs along y; give to the x and z of from.");
     }
     if (reader.has("stl") && info.dimension == 2)
-        reader.reject("stl", "is not allowed: a 2D case lies in the x-z plane; give a profile "
-                             "[[x, z], ...] instead.");
+        reader.reject("stl",
+                      "is not allowed: a 2D case lies in the x-z plane; give a profile "
+                      "[[x, z], ...] instead.");
     for (const char* key : {"scale", "at"})
         if (reader.has(key) && !reader.has("stl"))
             reader.reject(key, "has no effect: it belongs to an stl file.");

@@ -61,17 +61,19 @@ void Bodies::wrap(const Periodic& periodic) {
 void Bodies::find_fastest() {
     fastest_ = 0;
     for (const RigidBody& b : body)
-        fastest_ = std::max(fastest_, std::hypot(b.body().velocity[0], b.body().velocity[1],
-                                                 b.body().velocity[2]));
+        fastest_ = std::max(
+            fastest_, std::hypot(b.body().velocity[0], b.body().velocity[1], b.body().velocity[2]));
     for (int d = 0; d < size(); ++d) {
         const RigidBody& b = body[owner[d]];
-        if (b.moves()) fastest_ = std::max(fastest_, length(b.pose().velocity_at({x[d], y[d], z[d]})));
+        if (b.moves())
+            fastest_ = std::max(fastest_, length(b.pose().velocity_at({x[d], y[d], z[d]})));
     }
 }
 
 namespace {
 
-/// Of a body that reaches beyond a periodic domain, what lies outside is an image of what lies inside.
+/// Of a body that reaches beyond a periodic domain, what lies outside is an image of what lies
+/// inside.
 bool repeats_itself(const Vec3& x, const Case& input) {
     for (const std::string& axis : input.sph.periodic) {
         const int a = axis[0] - 'x';
@@ -91,7 +93,8 @@ Bodies make_bodies(const Case& input) {
         const std::vector<Dummy> dummies = place_dummies(bodies.body[k], input);
         if (dummies.empty())
             throw InputError(fmt::format(
-                "{}: sph.body \"{}\": no dummy particle fits into it at sph.spacing = {:.4g} m: it is "
+                "{}: sph.body \"{}\": no dummy particle fits into it at sph.spacing = {:.4g} m: it "
+                "is "
                 "too small, or its scale is wrong (it spans {:.4g} m in x and {:.4g} m in z).",
                 input.file, input.sph.body[k].name, input.sph.spacing,
                 bodies.body[k].bounds().max[0] - bodies.body[k].bounds().min[0],

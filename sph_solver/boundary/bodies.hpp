@@ -19,8 +19,8 @@ class RigidBody {
  public:
     RigidBody(const Body& body, const Case& input);
 
-    /// As seen from the fluid's side: distance < 0 inside the rigid material, `away` points into the
-    /// fluid. x in the body's place at rest [m].
+    /// As seen from the fluid's side: distance < 0 inside the rigid material, `away` points into
+    /// the fluid. x in the body's place at rest [m].
     FromSurface at_rest(const Vec3& x) const;
     /// The same for a point in space where the body is now; along periodic axes it repeats itself.
     FromSurface now(const Vec3& x, const Periodic& periodic) const;
@@ -42,19 +42,21 @@ class RigidBody {
 };
 
 struct Bodies {
-    std::vector<double> x, y, z;             // position now [m], [dummies]
-    std::vector<Vec3> at_rest;               // position at rest [m], [dummies]
-    std::vector<Vec3> periods;               // what put it back into a periodic domain [m], or empty
-    std::vector<double> vx, vy, vz;          // what the pair loop sees [m/s], [dummies]
-    std::vector<double> p;                   // extrapolated pressure [Pa], [dummies]
-    std::vector<double> share;               // of the lattice's cell that is solid, [dummies]
-    std::vector<float> viscosity;            // of the fluid next to it [Pa s], [dummies]
-    std::vector<std::uint8_t> fluid;         // the fluid that is most of what is near, [dummies]
-    std::vector<int> owner;                  // its body, [dummies]
+    std::vector<double> x, y, z;      // position now [m], [dummies]
+    std::vector<Vec3> at_rest;        // position at rest [m], [dummies]
+    std::vector<Vec3> periods;        // what put it back into a periodic domain [m], or empty
+    std::vector<double> vx, vy, vz;   // what the pair loop sees [m/s], [dummies]
+    std::vector<double> p;            // extrapolated pressure [Pa], [dummies]
+    std::vector<double> share;        // of the lattice's cell that is solid, [dummies]
+    std::vector<float> viscosity;     // of the fluid next to it [Pa s], [dummies]
+    std::vector<std::uint8_t> fluid;  // the fluid that is most of what is near, [dummies]
+    std::vector<int> owner;           // its body, [dummies]
     std::vector<RigidBody> body;
 
     int size() const { return static_cast<int>(x.size()); }
-    int dummies_of(int k) const { return static_cast<int>(std::count(owner.begin(), owner.end(), k)); }
+    int dummies_of(int k) const {
+        return static_cast<int>(std::count(owner.begin(), owner.end(), k));
+    }
     int count() const { return static_cast<int>(body.size()); }
 
     /// Moves all dummies to time t.
@@ -67,7 +69,7 @@ struct Bodies {
  private:
     void find_fastest();
     double fastest_ = 0;
-    double moved_to_ = -1;   // [s]
+    double moved_to_ = -1;  // [s]
 
     friend Bodies make_bodies(const Case& input);
 };

@@ -12,7 +12,7 @@ namespace undertow::sph {
 
 namespace {
 
-constexpr double most_cells = 2e9;   // of a body's bounds
+constexpr double most_cells = 2e9;  // of a body's bounds
 
 /// A box on a lattice of its own: all cells are whole.
 std::vector<Dummy> fill_box(const RigidBody& body, double dx, double depth, bool flat) {
@@ -24,7 +24,8 @@ std::vector<Dummy> fill_box(const RigidBody& body, double dx, double depth, bool
         n[a] = std::max(1, static_cast<int>(std::lround(cells)));
         if (flat && a == 1) n[a] = 1;
         // a box that is not a whole number of spacings has wider or narrower cells
-        else if (std::abs(cells - n[a]) > 1e-6) share *= cells / n[a];
+        else if (std::abs(cells - n[a]) > 1e-6)
+            share *= cells / n[a];
     }
     std::vector<Dummy> dummies;
     for (int iz = 0; iz < n[2]; ++iz)
@@ -86,9 +87,11 @@ std::vector<Dummy> fill_lattice(const RigidBody& body, const Case& input, double
         cells *= last[a] - first[a];
     }
     if (cells > most_cells)
-        throw InputError(fmt::format(
-            "{}: sph.body \"{}\" spans {:.3g} cells of sph.spacing = {:.4g} m; that is more than this "
-            "version can fill. Is its scale right?", input.file, body.body().name, cells, dx));
+        throw InputError(
+            fmt::format("{}: sph.body \"{}\" spans {:.3g} cells of sph.spacing = {:.4g} m; that is "
+                        "more than this "
+                        "version can fill. Is its scale right?",
+                        input.file, body.body().name, cells, dx));
     std::vector<Dummy> dummies;
     for (int iz = first[2]; iz < last[2]; ++iz)
         for (int iy = first[1]; iy < last[1]; ++iy)
@@ -96,8 +99,9 @@ std::vector<Dummy> fill_lattice(const RigidBody& body, const Case& input, double
                 const Vec3 x{origin[0] + (ix + 0.5) * dx, flat ? 0 : origin[1] + (iy + 0.5) * dx,
                              origin[2] + (iz + 0.5) * dx};
                 const FromSurface from = body.at_rest(x);
-                const double beyond = std::max(from.distance - half_diagonal, -from.distance - depth);
-                if (beyond > 0) {   // a distance changes by no more than the way: skip cells
+                const double beyond =
+                    std::max(from.distance - half_diagonal, -from.distance - depth);
+                if (beyond > 0) {  // a distance changes by no more than the way: skip cells
                     ix += static_cast<int>(beyond / dx);
                     continue;
                 }

@@ -8,8 +8,8 @@
 namespace undertow::sph {
 
 struct Dummy {
-    Vec3 x;         // [m] in the body's place at rest
-    double share;   // of dx^d
+    Vec3 x;        // [m] in the body's place at rest
+    double share;  // of dx^d
 };
 
 /// See make_bodies.

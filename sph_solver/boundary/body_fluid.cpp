@@ -11,12 +11,12 @@ namespace undertow::sph {
 namespace {
 
 struct Continued {
-    double weight = 0;              // sum of W
-    double pressure = 0;            // sum of W (p + hydrostatic part)
-    double moving = 0;              // sum of V F
-    double u[3] = {0, 0, 0};        // sum of V F v, reflected
-    double viscosity = 0;           // sum of W mu
-    double share[FluidTag::most] = {};   // of `weight`, by fluid
+    double weight = 0;                  // sum of W
+    double pressure = 0;                // sum of W (p + hydrostatic part)
+    double moving = 0;                  // sum of V F
+    double u[3] = {0, 0, 0};            // sum of V F v, reflected
+    double viscosity = 0;               // sum of W mu
+    double share[FluidTag::most] = {};  // of `weight`, by fluid
 };
 
 /// Reflected velocity of a record: of a particle, or of its image.   [m/s]
@@ -34,8 +34,7 @@ Vec3 shown(int record, const Neighborhood& neighbors, const MirrorPlanes& mirror
 void set(Bodies& bodies, int d, const Continued& sum) {
     const Pose& pose = bodies.body[bodies.owner[d]].pose();
     Vec3 v = pose.velocity_at({bodies.x[d], bodies.y[d], bodies.z[d]});
-    if (sum.moving > 0)
-        v = {sum.u[0] / sum.moving, sum.u[1] / sum.moving, sum.u[2] / sum.moving};
+    if (sum.moving > 0) v = {sum.u[0] / sum.moving, sum.u[1] / sum.moving, sum.u[2] / sum.moving};
     bodies.vx[d] = v[0], bodies.vy[d] = v[1], bodies.vz[d] = v[2];
     bodies.p[d] = sum.weight > 0 ? std::max(0.0, sum.pressure / sum.weight) : 0;
     bodies.viscosity[d] = static_cast<float>(sum.weight > 0 ? sum.viscosity / sum.weight : 0);
@@ -44,8 +43,9 @@ void set(Bodies& bodies, int d, const Continued& sum) {
 }
 
 template <class KernelLaw>
-void continue_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
-                   const MirrorPlanes& mirror, const std::vector<Vec3>& reflected, Bodies& bodies) {
+void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
+                   const Neighborhood& neighbors, const MirrorPlanes& mirror,
+                   const std::vector<Vec3>& reflected, Bodies& bodies) {
     const std::vector<int>& targets = neighbors.body_targets();
     const ClusterLists& lists = neighbors.body_lists();
     const std::vector<Packed>& records = neighbors.records();

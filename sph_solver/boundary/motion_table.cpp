@@ -16,8 +16,10 @@ namespace undertow::sph {
 MotionTable::MotionTable(const std::string& path, double t_end, const std::string& where) {
     std::ifstream file(path);
     if (!file)
-        throw InputError(fmt::format("{}: motion = \"{}\" could not be opened; the path is relative "
-                                     "to the case file.", where, path));
+        throw InputError(
+            fmt::format("{}: motion = \"{}\" could not be opened; the path is relative "
+                        "to the case file.",
+                        where, path));
     std::string line;
     for (int number = 1; std::getline(file, line); ++number) {
         const auto first = line.find_first_not_of(" \t\r\"");
@@ -30,12 +32,15 @@ MotionTable::MotionTable(const std::string& path, double t_end, const std::strin
         for (double value; words >> value;) row.push_back(value);
         const bool whole = words.eof() && (row.size() == 4 || row.size() == 5);
         if (!whole)
-            throw InputError(fmt::format("{}: {}:{}: \"{}\" is not a row of t [s], x, y, z [m] and, "
-                                         "if the body turns, angle [rad].", where, path, number, line));
+            throw InputError(
+                fmt::format("{}: {}:{}: \"{}\" is not a row of t [s], x, y, z [m] and, "
+                            "if the body turns, angle [rad].",
+                            where, path, number, line));
         if (!t_.empty() && !(row[0] > t_.back()))
-            throw InputError(fmt::format("{}: {}:{}: t = {:.6g} s must be > {:.6g} s, that of the row "
-                                         "before: times must rise.", where, path, number, row[0],
-                                         t_.back()));
+            throw InputError(
+                fmt::format("{}: {}:{}: t = {:.6g} s must be > {:.6g} s, that of the row "
+                            "before: times must rise.",
+                            where, path, number, row[0], t_.back()));
         t_.push_back(row[0]);
         for (int c = 0; c < channels; ++c)
             x_[c].push_back(c + 1 < static_cast<int>(row.size()) ? row[c + 1] : 0);
@@ -79,11 +84,10 @@ MotionTable::Value MotionTable::operator()(int channel, double t) const {
     const double h = t_[k + 1] - t_[k];
     // at the very start of a table that begins at t = 0
     const double b = std::max(0.0, (t - t_[k]) / h), a = 1 - b;
-    return {a * x[k] + b * x[k + 1] +
-                ((a * a * a - a) * m[k] + (b * b * b - b) * m[k + 1]) * h * h / 6,
-            (x[k + 1] - x[k]) / h +
-                ((3 * b * b - 1) * m[k + 1] - (3 * a * a - 1) * m[k]) * h / 6,
-            a * m[k] + b * m[k + 1]};
+    return {
+        a * x[k] + b * x[k + 1] + ((a * a * a - a) * m[k] + (b * b * b - b) * m[k + 1]) * h * h / 6,
+        (x[k + 1] - x[k]) / h + ((3 * b * b - 1) * m[k + 1] - (3 * a * a - 1) * m[k]) * h / 6,
+        a * m[k] + b * m[k + 1]};
 }
 
 }  // namespace undertow::sph

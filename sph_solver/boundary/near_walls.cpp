@@ -10,7 +10,7 @@ namespace undertow::sph {
 
 namespace {
 
-constexpr double shear_range = 1.5;   // [dx] where the weight of add_stress ends
+constexpr double shear_range = 1.5;  // [dx] where the weight of add_stress ends
 
 }  // namespace
 
@@ -44,16 +44,16 @@ int NearWalls::put_back(Particles& particles, const Bodies& bodies, const Period
         if (from.distance < 0) {
             ++count;
             const Vec3 wall = bodies.body[c.body].pose().velocity_at({s.x[i], s.y[i], s.z[i]});
-            const double closing =
-                dot(Vec3{s.vx[i], s.vy[i], s.vz[i]} - wall, from.away);
+            const double closing = dot(Vec3{s.vx[i], s.vy[i], s.vz[i]} - wall, from.away);
             const double out = -2 * from.distance, turn = closing < 0 ? -2 * closing : 0;
-            s.x[i] += out * from.away[0], s.y[i] += out * from.away[1], s.z[i] += out * from.away[2];
+            s.x[i] += out * from.away[0], s.y[i] += out * from.away[1],
+                s.z[i] += out * from.away[2];
             s.vx[i] += turn * from.away[0], s.vy[i] += turn * from.away[1];
             s.vz[i] += turn * from.away[2];
             from.distance = -from.distance;
         }
         safe_until_[c.id] = travelled + std::max(0.0, from.distance - range);
-        if (from.distance < range) candidates_[near++] = c;   // those near stay candidates
+        if (from.distance < range) candidates_[near++] = c;  // those near stay candidates
     }
     candidates_.resize(near);
     return count;
@@ -73,7 +73,7 @@ void NearWalls::find(const Particles& particles, const MirrorPlanes& mirror, con
     for (const Candidate& c : candidates_) {
         const RigidBody& b = bodies.body[c.body];
         const int i = index[c.id];
-        if (i < 0) continue;   // it has left the domain
+        if (i < 0) continue;  // it has left the domain
         const Vec3 x{particles.x[i], particles.y[i], particles.z[i]};
         const Vec3 foot = x - c.from.distance * c.from.away;
         near_.push_back({i, mirror.size() + c.body, b.pose().to_rest(foot),

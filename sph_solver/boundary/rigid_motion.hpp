@@ -12,12 +12,12 @@ namespace undertow::sph {
 
 /// Where a body is and how it moves. Turns are about `center`, which moves along.
 struct Pose {
-    Vec3 shift{};                      // from the place at rest [m]
+    Vec3 shift{};  // from the place at rest [m]
     double turn[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    bool turned = false;               // false: `turn` is exactly one
-    Vec3 velocity{}, acceleration{};   // of the center [m/s], [m/s2]
-    Vec3 spin{}, spin_rate{};          // [rad/s], [rad/s2]
-    Vec3 center{};                     // at rest [m]
+    bool turned = false;              // false: `turn` is exactly one
+    Vec3 velocity{}, acceleration{};  // of the center [m/s], [m/s2]
+    Vec3 spin{}, spin_rate{};         // [rad/s], [rad/s2]
+    Vec3 center{};                    // at rest [m]
 
     Vec3 to_space(const Vec3& at_rest) const;
     Vec3 to_rest(const Vec3& x) const;
@@ -30,14 +30,14 @@ struct Pose {
 };
 
 /// A table of positions as a cubic spline: acceleration is continuous, so that walls do not knock.
-/// Before the first and after the last row the position stays. An end that is reached within the run
-/// is met at rest; an end at t <= 0 or beyond the run is left open (natural).
+/// Before the first and after the last row the position stays. An end that is reached within the
+/// run is met at rest; an end at t <= 0 or beyond the run is left open (natural).
 class MotionTable {
  public:
-    static constexpr int channels = 4;   // x, y, z [m], angle [rad]
+    static constexpr int channels = 4;  // x, y, z [m], angle [rad]
 
-    /// CSV: t [s], x, y, z and, if the body turns, angle; lines that begin with '#' or with a letter
-    /// are skipped. InputError: not numbers, too few rows, t does not rise.
+    /// CSV: t [s], x, y, z and, if the body turns, angle; lines that begin with '#' or with a
+    /// letter are skipped. InputError: not numbers, too few rows, t does not rise.
     MotionTable(const std::string& path, double t_end, const std::string& where);
 
     struct Value {
@@ -48,8 +48,8 @@ class MotionTable {
  private:
     void find_curvature(int channel, bool rest_first, bool rest_last);
 
-    std::vector<double> t_;                                     // [s]
-    std::array<std::vector<double>, channels> x_, curvature_;   // and second derivative
+    std::vector<double> t_;                                    // [s]
+    std::array<std::vector<double>, channels> x_, curvature_;  // and second derivative
 };
 
 class RigidMotion {
@@ -62,7 +62,7 @@ class RigidMotion {
  private:
     Body law_;
     std::optional<MotionTable> table_;
-    double step_;   // [s] of the differences that give a formula's rates
+    double step_;  // [s] of the differences that give a formula's rates
     bool moves_;
 };
 

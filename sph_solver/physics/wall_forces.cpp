@@ -22,7 +22,7 @@ void for_each_image(const PairConstants<float>& c, const Factors<float, OfOwn>& 
     for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
         if (*at < n) continue;
         const Extra& extra = neighbors.extras()[*at - n];
-        if ((extra.mask & planes) == 0 && !extra.from_body) continue;   // by translation only
+        if ((extra.mask & planes) == 0 && !extra.from_body) continue;  // by translation only
         const Packed& j = records[*at];
         PairSums<float8> sum;
         add_pair<KernelLaw, Terms::force, content>(
@@ -91,9 +91,8 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
         look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
                 i.own, m);
         if (variable)
-            for_each_image<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
-                                                             m.with, neighbors, cluster,
-                                                             any_plane, add);
+            for_each_image<KernelLaw, Content::viscoplastic>(
+                mixture.constants, m.factors, i, m.with, neighbors, cluster, any_plane, add);
         else
             for_each_image<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
                                                         neighbors, cluster, any_plane, add);

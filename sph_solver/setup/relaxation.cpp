@@ -12,8 +12,8 @@ namespace undertow::sph {
 namespace {
 
 constexpr int most_iterations = 60;
-constexpr double share = 0.2;      // C: half of what is stable, C h^2 |grad of the sum| < 1
-constexpr double longest = 0.1;    // [dx] of one shift
+constexpr double share = 0.2;    // C: half of what is stable, C h^2 |grad of the sum| < 1
+constexpr double longest = 0.1;  // [dx] of one shift
 
 /// Is there fluid, body or wall all around, as far as the kernel reaches?
 bool enclosed(const FluidSystem& fluid, const FillPlan& plan, const Vec3& x) {
@@ -40,14 +40,14 @@ Relaxation relax(FluidSystem& fluid, const Case& input) {
     const FillPlan plan(input);
     Particles& s = fluid.particles;
     const double dx = fluid.spacing(), h = fluid.physics().h;
-    std::vector<char> moves(s.size());   // by identity
+    std::vector<char> moves(s.size());  // by identity
     const int n = static_cast<int>(s.size());
 #pragma omp parallel for schedule(dynamic, 64)
     for (int i = 0; i < n; ++i) moves[s.id[i]] = enclosed(fluid, plan, {s.x[i], s.y[i], s.z[i]});
 
     Relaxation result;
     for (;; ++result.iterations) {
-        fluid.sum_under_even_pressure();   // accelerations -2/rho sum V grad W
+        fluid.sum_under_even_pressure();  // accelerations -2/rho sum V grad W
         double sum = 0, furthest = 0;
         std::int64_t count = 0;
         for (std::size_t i = 0; i < s.size(); ++i) {

@@ -14,7 +14,7 @@ namespace {
 using Polygon = std::vector<std::array<double, 2>>;
 
 FromSurface from_box(const Box& box, const Vec3& x, bool flat) {
-    Vec3 beyond{};   // of the box, per axis; 0 between its faces
+    Vec3 beyond{};  // of the box, per axis; 0 between its faces
     double outside2 = 0, nearest_face = -1e300;
     int nearest_axis = 0, side = 1;
     for (int a = 0; a < 3; ++a) {
@@ -35,8 +35,9 @@ FromSurface from_box(const Box& box, const Vec3& x, bool flat) {
 }
 
 /// A solid with flat ends from the distances to its side and to its ends, and their directions.
-FromSurface with_ends(double over_side, const Vec3& sideways, double over_end, const Vec3& endways) {
-    if (over_end > 0 && over_side > 0) {   // off the rim
+FromSurface with_ends(double over_side, const Vec3& sideways, double over_end,
+                      const Vec3& endways) {
+    if (over_end > 0 && over_side > 0) {  // off the rim
         const double d = std::hypot(over_end, over_side);
         const Vec3 away = over_end * endways + over_side * sideways;
         return {d, {away[0] / d, away[1] / d, away[2] / d}};
@@ -54,7 +55,7 @@ FromSurface from_cylinder(const Shape& s, const Vec3& x, bool flat) {
     Vec3 radial = from_middle - along * axis;
     const double r = std::hypot(radial[0], radial[1], radial[2]);
     for (double& c : radial) c /= r > 0 ? r : 1;
-    if (!(r > 0))   // on the axis any direction will do
+    if (!(r > 0))  // on the axis any direction will do
         radial = std::abs(axis[0]) < 0.5 ? cross(axis, {1, 0, 0}) : cross(axis, {0, 0, 1});
     if (flat) return {r - s.radius, radial};
     return with_ends(r - s.radius, radial, std::abs(along) - 0.5 * extent,
@@ -63,7 +64,7 @@ FromSurface from_cylinder(const Shape& s, const Vec3& x, bool flat) {
 
 /// turn: +-1, see Solid::polygon_turn_.
 FromSurface from_polygon(const Polygon& corner, double turn, const Vec3& x) {
-    bool inside = false;   // even-odd rule
+    bool inside = false;  // even-odd rule
     double best2 = 1e300;
     Vec3 to_edge{}, edge_normal{};
     for (std::size_t a = 0, b = corner.size() - 1; a < corner.size(); b = a++) {
@@ -90,7 +91,8 @@ FromSurface from_prism(const Shape& s, double turn, const Vec3& x, bool flat) {
     const FromSurface side = from_polygon(s.profile, turn, x);
     if (flat || !s.box) return side;
     const double low = s.box->min[1] - x[1], high = x[1] - s.box->max[1];
-    return with_ends(side.distance, side.away, std::max(low, high), {0, high > low ? 1.0 : -1.0, 0});
+    return with_ends(side.distance, side.away, std::max(low, high),
+                     {0, high > low ? 1.0 : -1.0, 0});
 }
 
 FromSurface from_triangles(const TriangleSurface& surface, const Vec3& x) {
@@ -108,8 +110,8 @@ Solid::Solid(const Shape& shape, bool flat, const std::string& folder, const std
     constexpr double inf = std::numeric_limits<double>::infinity();
     if (!shape.stl.empty()) {
         const bool absolute = shape.stl[0] == '/' || folder.empty();
-        surface_ = std::make_shared<TriangleSurface>(
-            read_stl(absolute ? shape.stl : folder + "/" + shape.stl, shape.scale, shape.at, where));
+        surface_ = std::make_shared<TriangleSurface>(read_stl(
+            absolute ? shape.stl : folder + "/" + shape.stl, shape.scale, shape.at, where));
         bounds_ = surface_->bounds();
     } else if (shape.radius > 0) {
         for (int a = 0; a < 3; ++a) {

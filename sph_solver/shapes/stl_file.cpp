@@ -49,14 +49,17 @@ std::vector<Vec3> corners_of_text(const std::string& bytes, const std::string& w
         if (word != "vertex") continue;
         Vec3 x;
         if (!(words >> x[0] >> x[1] >> x[2]))
-            throw InputError(fmt::format("{}: vertex {} of the ASCII STL file is not three numbers; "
-                                         "export it again.", where, corner.size() + 1));
+            throw InputError(
+                fmt::format("{}: vertex {} of the ASCII STL file is not three numbers; "
+                            "export it again.",
+                            where, corner.size() + 1));
         corner.push_back(x);
     }
     if (!ended || corner.size() % 3 != 0)
-        throw InputError(fmt::format("{}: the ASCII STL file ends after {} vertices without "
-                                     "\"endsolid\": it is cut off; export it again.",
-                                     where, corner.size()));
+        throw InputError(
+            fmt::format("{}: the ASCII STL file ends after {} vertices without "
+                        "\"endsolid\": it is cut off; export it again.",
+                        where, corner.size()));
     return corner;
 }
 
@@ -79,9 +82,10 @@ std::vector<std::int32_t> join(const std::vector<Vec3>& corner, double tolerance
     return same;
 }
 
-/// Each edge is used as often one way as the other, or the surface is open or has facets turned over.
+/// Each edge is used as often one way as the other, or the surface is open or has facets turned
+/// over.
 void require_closed(const TriangleMesh& mesh, const std::string& where) {
-    std::map<std::pair<int, int>, std::pair<int, int>> uses;   // of edge a < b: a to b, b to a
+    std::map<std::pair<int, int>, std::pair<int, int>> uses;  // of edge a < b: a to b, b to a
     for (const auto& f : mesh.facet)
         for (int k = 0; k < 3; ++k) {
             const int a = f[k], b = f[(k + 1) % 3];
@@ -102,14 +106,15 @@ void require_closed(const TriangleMesh& mesh, const std::string& where) {
     };
     if (open)
         throw InputError(fmt::format(
-            "{}: the surface is open: {} of its {} edges belong to an odd number of facets, one from "
-            "{} m; close it (in Blender: Mesh, Clean Up, Fill Holes) and export it again.", where,
-            open, uses.size(), edge_text(open_edge)));
+            "{}: the surface is open: {} of its {} edges belong to an odd number of facets, one "
+            "from "
+            "{} m; close it (in Blender: Mesh, Clean Up, Fill Holes) and export it again.",
+            where, open, uses.size(), edge_text(open_edge)));
     if (turned)
         throw InputError(fmt::format(
             "{}: some facets are turned over: at {} of {} edges, one from {} m, neighbors disagree "
-            "about outside; let your program recalculate the normals and export it again.", where,
-            turned, uses.size(), edge_text(turned_edge)));
+            "about outside; let your program recalculate the normals and export it again.",
+            where, turned, uses.size(), edge_text(turned_edge)));
 }
 
 }  // namespace
@@ -118,22 +123,26 @@ TriangleMesh read_stl(const std::string& path, double scale, const Vec3& at,
                       const std::string& where) {
     std::ifstream file(path, std::ios::binary);
     if (!file)
-        throw InputError(fmt::format("{}: stl = \"{}\" could not be opened; the path is relative to "
-                                     "the case file.", where, path));
+        throw InputError(
+            fmt::format("{}: stl = \"{}\" could not be opened; the path is relative to "
+                        "the case file.",
+                        where, path));
     const std::string bytes((std::istreambuf_iterator<char>(file)), {});
     const bool binary = is_binary(bytes);
     if (!binary && bytes.rfind("solid", 0) != 0)
-        throw InputError(fmt::format("{}: \"{}\" is not an STL file, or it is cut off: it neither "
-                                     "begins with \"solid\" nor has {} bytes the length that its "
-                                     "number of facets asks for.", where, path, bytes.size()));
+        throw InputError(
+            fmt::format("{}: \"{}\" is not an STL file, or it is cut off: it neither "
+                        "begins with \"solid\" nor has {} bytes the length that its "
+                        "number of facets asks for.",
+                        where, path, bytes.size()));
     std::vector<Vec3> corner = binary ? corners_of_binary(bytes) : corners_of_text(bytes, where);
-    if (corner.empty())
-        throw InputError(fmt::format("{}: \"{}\" holds no facet.", where, path));
+    if (corner.empty()) throw InputError(fmt::format("{}: \"{}\" holds no facet.", where, path));
     double size = 0;
     for (Vec3& x : corner) {
         x = at + scale * x;
         if (!std::isfinite(x[0] + x[1] + x[2]))
-            throw InputError(fmt::format("{}: \"{}\" holds a vertex that is not finite.", where, path));
+            throw InputError(
+                fmt::format("{}: \"{}\" holds a vertex that is not finite.", where, path));
         for (int a = 0; a < 3; ++a) size = std::max(size, std::abs(x[a] - corner[0][a]));
     }
     const std::vector<std::int32_t> same = join(corner, 1e-6 * size);
@@ -141,9 +150,9 @@ TriangleMesh read_stl(const std::string& path, double scale, const Vec3& at,
     mesh.vertex = std::move(corner);
     for (std::size_t k = 0; k + 2 < same.size(); k += 3) {
         const std::array<std::int32_t, 3> f{same[k], same[k + 1], same[k + 2]};
-        const Vec3 area = cross(mesh.vertex[f[1]] - mesh.vertex[f[0]],
-                                mesh.vertex[f[2]] - mesh.vertex[f[0]]);
-        if (f[0] == f[1] || f[1] == f[2] || f[2] == f[0]) continue;   // shrunk to a line or a point
+        const Vec3 area =
+            cross(mesh.vertex[f[1]] - mesh.vertex[f[0]], mesh.vertex[f[2]] - mesh.vertex[f[0]]);
+        if (f[0] == f[1] || f[1] == f[2] || f[2] == f[0]) continue;  // shrunk to a line or a point
         if (length(area) > 0) mesh.facet.push_back(f);
     }
     if (mesh.facet.empty())

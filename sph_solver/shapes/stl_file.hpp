@@ -7,9 +7,9 @@
 
 namespace undertow::sph {
 
-/// Reads a surface, x = at + scale x_file [m], and joins the vertices that facets share (1e-6 of the
-/// surface's size). InputError: no STL file, cut off, open, facets turned over, or inside out. where:
-/// begins the sentence, `case.toml: sph.body "tank"`.
+/// Reads a surface, x = at + scale x_file [m], and joins the vertices that facets share (1e-6 of
+/// the surface's size). InputError: no STL file, cut off, open, facets turned over, or inside out.
+/// where: begins the sentence, `case.toml: sph.body "tank"`.
 TriangleMesh read_stl(const std::string& path, double scale, const Vec3& at,
                       const std::string& where);
 

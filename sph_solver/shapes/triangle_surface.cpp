@@ -94,7 +94,7 @@ std::int32_t TriangleSurface::build(std::int32_t first, std::int32_t last) {
 TriangleSurface::Nearest TriangleSurface::nearest(const Vec3& x) const {
     Nearest best{1e300, {}, 0};
     double best2 = 1e300;
-    std::int32_t waiting[128];   // nodes; a tree cut in halves is never this deep
+    std::int32_t waiting[128];  // nodes; a tree cut in halves is never this deep
     int n = 0;
     waiting[n++] = 0;
     while (n > 0) {
@@ -152,7 +152,8 @@ double TriangleSurface::solid_angle(int facet, const Vec3& x) const {
 
 Vec3 TriangleSurface::area_vector(int facet) const {
     const auto& f = mesh_.facet[facet];
-    return 0.5 * cross(mesh_.vertex[f[1]] - mesh_.vertex[f[0]], mesh_.vertex[f[2]] - mesh_.vertex[f[0]]);
+    return 0.5 *
+           cross(mesh_.vertex[f[1]] - mesh_.vertex[f[0]], mesh_.vertex[f[2]] - mesh_.vertex[f[0]]);
 }
 
 Vec3 TriangleSurface::normal(int facet) const {

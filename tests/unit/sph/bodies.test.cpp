@@ -31,8 +31,8 @@ double settle(FluidSystem& fluid, int steps) {
     return health.max_speed;
 }
 
-/// Mean over the particles within 1.5 dx of a body of p over the hydrostatic pressure, those near the
-/// free surface left out.
+/// Mean over the particles within 1.5 dx of a body of p over the hydrostatic pressure, those near
+/// the free surface left out.
 double pressure_ratio(const FluidSystem& fluid, double level) {
     double sum = 0, exact = 0;
     const Particles& p = fluid.particles;
@@ -94,20 +94,24 @@ TEST_CASE("a column rests on a flat body with the hydrostatic pressure") {
 TEST_CASE("a column rests on a ramp of 30 degrees") {
     Case input = basin(0.01);
     const double rise = 0.4 * std::tan(M_PI / 6);
-    input.sph.body = {
-        body("ramp", {.profile = {{-0.1, -0.3}, {0.5, -0.3}, {0.5, 0.2 - 0.25 * rise},
-                                  {-0.1, 0.2 - 1.75 * rise}}})};
+    input.sph.body = {body(
+        "ramp",
+        {.profile = {
+             {-0.1, -0.3}, {0.5, -0.3}, {0.5, 0.2 - 0.25 * rise}, {-0.1, 0.2 - 1.75 * rise}}})};
     // the water's surface at 0.2 m, the ramp through (0.2, 0.2 - rise): 0.23 m at the most
     input.sph.fill[0].box = {{0, 0, -0.2}, {0.4, 0, 0.2}};
+    // from the square lattice the layer at the wall stays 2.4 % off (1 % at half the spacing)
+    input.sph.lattice = FillLattice::relaxed;
     FluidSystem fluid(input, 0.4);
     // the count of lattice points above a slope is right to a percent: the level follows from it
     const double filled = 0.2 + (fluid.particles.size() * 1e-4 - 0.4 * rise) / 0.4;
     const double speed = settle(fluid, 1500);
     const double level = water_level(fluid, 0.2, 0);
-    CHECK(level == Approx(filled).epsilon(0.02));   // a fifth of a spacing per layer that rearranges
+    CHECK(level == Approx(filled).epsilon(0.02));
     WARN("ramp: level " << level << " m, speed over c0 " << speed / fluid.fluid().c0
                         << ", pressure over hydrostatic " << pressure_ratio(fluid, level));
-    CHECK(speed < 0.01 * fluid.fluid().c0);   // the lattice does not fit the slope and rearranges
+    CHECK(speed < 0.01 * fluid.fluid().c0);  // the lattice does not fit the slope and rearranges
+    // 1.2 % in the layer at the wall, 0.5 % further in
     CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.015));
     CHECK(inside_bodies(fluid) == 0);
 }
@@ -119,6 +123,7 @@ TEST_CASE("a round tank holds its water") {
     Body tank = body("tank", {.from = {0.2, -1, 0.2}, .to = {0.2, 1, 0.2}, .radius = 0.2});
     tank.inside = true;
     input.sph.body = {tank};
+    input.sph.lattice = FillLattice::relaxed;  // 3 % off in the layer at the wall without
     FluidSystem fluid(input, 0.4);
     const double area = fluid.particles.size() * 1e-4;
     CHECK(area == Approx(0.5 * M_PI * 0.04).epsilon(0.02));
@@ -128,7 +133,7 @@ TEST_CASE("a round tank holds its water") {
                         << ", pressure over hydrostatic " << pressure_ratio(fluid, level));
     CHECK(speed < 0.01 * fluid.fluid().c0);
     CHECK(inside_bodies(fluid) == 0);
-    CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.015));
+    CHECK(pressure_ratio(fluid, level) == Approx(1).epsilon(0.01));
     CHECK(-total_force(fluid, 0)[2] == Approx(rho * g * area).epsilon(0.02));
 }
 
@@ -176,9 +181,10 @@ TEST_CASE("a relaxed start saves most of the noise of a lattice cut by a round t
                 sum += std::pow(fluid.particles.vx[i], 2) + std::pow(fluid.particles.vz[i], 2);
         }
         speed[relaxed] = std::sqrt(sum / 400 / fluid.particles.size()) / fluid.fluid().c0;
-        WARN((relaxed ? "relaxed" : "square") << ": rms speed over c0 " << speed[relaxed] << ", "
-             << fluid.relaxation().iterations << " iterations, unevenness "
-             << fluid.relaxation().before << " -> " << fluid.relaxation().after);
+        WARN((relaxed ? "relaxed" : "square")
+             << ": rms speed over c0 " << speed[relaxed] << ", " << fluid.relaxation().iterations
+             << " iterations, unevenness " << fluid.relaxation().before << " -> "
+             << fluid.relaxation().after);
     }
     CHECK(speed[1] < 0.5 * speed[0]);
 }
@@ -187,8 +193,10 @@ TEST_CASE("what walls feel is opposite to what the fluid feels") {
     const double slope = GENERATE(0.0, 0.3);
     Case input = basin(0.01);
     input.sph.fluid[0].viscosity = 5;
-    Body floor = body("floor", {.profile = {{-0.1, -0.2}, {0.5, -0.2}, {0.5, 0.05 + 0.5 * slope},
-                                            {-0.1, 0.05 - 0.1 * slope}}});
+    Body floor = body(
+        "floor",
+        {.profile = {
+             {-0.1, -0.2}, {0.5, -0.2}, {0.5, 0.05 + 0.5 * slope}, {-0.1, 0.05 - 0.1 * slope}}});
     floor.slip = Slip::no_slip;
     input.sph.body = {floor};
     input.sph.plane[1].slip = Slip::no_slip;
@@ -202,13 +210,14 @@ TEST_CASE("what walls feel is opposite to what the fluid feels") {
     double magnitude = 0;
     for (std::size_t i = 0; i < fluid.particles.size(); ++i) {
         const double m = fluid.fluid().mass;
-        const Vec3 f = m * Vec3{fluid.particles.ax[i], fluid.particles.ay[i], fluid.particles.az[i]};
+        const Vec3 f =
+            m * Vec3{fluid.particles.ax[i], fluid.particles.ay[i], fluid.particles.az[i]};
         on_fluid = on_fluid + f;
         magnitude += length(f);
     }
     for (std::size_t w = 0; w < 3; ++w) on_walls = on_walls + total_force(fluid, w);
     REQUIRE(length(on_walls) > 0.1);
-    CHECK(length(on_fluid + on_walls) < 1e-5 * magnitude);   // float32 sums
+    CHECK(length(on_fluid + on_walls) < 1e-5 * magnitude);  // float32 sums
 }
 
 TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
@@ -216,8 +225,8 @@ TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
     Case input = scenes::water_box(dx, {0.08, 0, depth}, 2);
     input.info.gravity = {0, 0, 0};
     input.sph.max_speed = speed;
-    input.sph.fluid[0].viscosity = 10;   // Re = 5
-    input.sph.smoothing_ratio = 1.5;     // at 1.2 a lattice's viscosity is 3 % low
+    input.sph.fluid[0].viscosity = 10;  // Re = 5
+    input.sph.smoothing_ratio = 1.5;    // at 1.2 a lattice's viscosity is 3 % low
     input.sph.domain = Box{{0, 0, -0.1}, {0.08, 0, 0.2}};
     input.sph.periodic = {"x"};
     input.sph.artificial_viscosity = 0;
@@ -230,7 +239,7 @@ TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
     FluidSystem fluid(input, 0.4);
     const double dt = std::min(0.9 * dx / fluid.fluid().c0, 0.1 * dx * dx * rho / 10);
     double t = 0, before = 0;
-    while (t < 1.5 * depth * depth * rho / 10) {   // 1.5 diffusion times: 4e-7 of the start is left
+    while (t < 1.5 * depth * depth * rho / 10) {  // 1.5 diffusion times: 4e-7 of the start is left
         scenes::two_pass_step(fluid, t, dt, before);
         before = dt;
     }
@@ -241,8 +250,8 @@ TEST_CASE("a moving lid drags a viscous layer into the profile of Couette") {
         error2 += error * error;
         if (z < dx || z > depth - dx) at_walls = std::max(at_walls, std::abs(error));
     }
-    WARN("Couette: L2 error " << std::sqrt(error2 / fluid.particles.size()) / speed
-                              << ", at walls " << at_walls / speed << " of the lid's speed");
+    WARN("Couette: L2 error " << std::sqrt(error2 / fluid.particles.size()) / speed << ", at walls "
+                              << at_walls / speed << " of the lid's speed");
     CHECK(std::sqrt(error2 / fluid.particles.size()) < 0.006 * speed);
     // 20 layers give 0.988 of it, 10 give 0.979: the discrete viscosity is low, the wall follows
     const double stress = 10 * speed / depth;
@@ -260,7 +269,7 @@ TEST_CASE("a block of water on a rough slope sticks below its angle of friction 
     input.sph.plane[0].friction = friction;
     input.sph.domain = Box{{0, 0, -1}, {0.1, 0, 1}};
     input.sph.periodic = {"x"};
-    input.sph.fluid[0].viscosity = 300;   // moves as a block: 30 ms of diffusion
+    input.sph.fluid[0].viscosity = 300;  // moves as a block: 30 ms of diffusion
     input.sph.fluid[0].sound_speed = 10;
     FluidSystem fluid(input, 0.4);
     double t = 0, before = 0;
@@ -282,7 +291,8 @@ TEST_CASE("a block of water on a rough slope sticks below its angle of friction 
     const double exact = std::max(0.0, 0.5 - friction * std::sqrt(0.75)) * g * 0.1;
     INFO("mean speed " << mean << " m/s, a rigid block has " << exact);
     if (friction > 0.6)
-        CHECK(mean < 1.2 * rho * 0.5 * g * 0.01 / (3 * 300));   // a film at rest on its bed: rho g H^2/3 mu
+        CHECK(mean <
+              1.2 * rho * 0.5 * g * 0.01 / (3 * 300));  // a film at rest on its bed: rho g H^2/3 mu
     else
         CHECK(mean == Approx(exact).epsilon(0.03));
 }
@@ -290,9 +300,9 @@ TEST_CASE("a block of water on a rough slope sticks below its angle of friction 
 TEST_CASE("a piston drives the pressure of sound, rho c0 v") {
     Case input = scenes::water_box(0.01, {1.0, 0, 0.1}, 2);
     input.info.gravity = {0, 0, 0};
-    input.sph.max_speed = 1;   // c0 = 10 m/s
+    input.sph.max_speed = 1;  // c0 = 10 m/s
     input.sph.artificial_viscosity = 0.1;
-    input.sph.smoothing_ratio = 1.5;   // at 1.2 dx a lattice's gradient is 4 % low, at 1.5 dx 1 %
+    input.sph.smoothing_ratio = 1.5;  // at 1.2 dx a lattice's gradient is 4 % low, at 1.5 dx 1 %
     input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1}),
                        scenes::plane("lid", {0, 0, 0.1}, {0, 0, -1})};
     Body piston = body("piston", {.box = Box{{-0.05, 0, -0.05}, {0, 0, 0.15}}});
@@ -311,7 +321,8 @@ TEST_CASE("a piston drives the pressure of sound, rho c0 v") {
     double p = 0;
     int n = 0;
     for (std::size_t i = 0; i < fluid.particles.size(); ++i)
-        if (fluid.particles.x[i] > 0.05 && fluid.particles.x[i] < 0.5) p += fluid.particles.p[i], ++n;
+        if (fluid.particles.x[i] > 0.05 && fluid.particles.x[i] < 0.5)
+            p += fluid.particles.p[i], ++n;
     CHECK(p / n == Approx(rho * 10 * 0.05).epsilon(0.005));
     CHECK(force / count == Approx(rho * 10 * 0.05 * 0.1).epsilon(0.02));
 }

@@ -42,7 +42,8 @@ Facets box_facets(const Vec3& lo, const Vec3& hi) {
 class StlFile {
  public:
     StlFile() {
-        std::string name = (std::filesystem::temp_directory_path() / "undertow-stl-XXXXXX").string();
+        std::string name =
+            (std::filesystem::temp_directory_path() / "undertow-stl-XXXXXX").string();
         folder_ = mkdtemp(name.data());
     }
     ~StlFile() { std::filesystem::remove_all(folder_); }
@@ -60,7 +61,7 @@ class StlFile {
     void write_binary(const Facets& facets) const {
         std::ofstream out(path(), std::ios::binary);
         std::string head(80, ' ');
-        head.replace(0, 5, "solid");   // as some programs do, although it is binary
+        head.replace(0, 5, "solid");  // as some programs do, although it is binary
         out.write(head.data(), 80);
         const auto n = static_cast<std::uint32_t>(facets.size());
         out.write(reinterpret_cast<const char*>(&n), 4);
@@ -88,7 +89,7 @@ class StlFile {
 
 TEST_CASE("an STL box has the distances of the box, ASCII and binary, moved and scaled") {
     const StlFile file;
-    const Facets facets = box_facets({0, 0, 0}, {1000, 500, 250});   // mm
+    const Facets facets = box_facets({0, 0, 0}, {1000, 500, 250});  // mm
     if (GENERATE(false, true))
         file.write_binary(facets);
     else
@@ -110,14 +111,14 @@ TEST_CASE("a disc, a cylinder and a prism know their distance") {
     CHECK(disc({1.2, 0, 2}).distance == Approx(-0.3));
     CHECK(disc({1.2, 0, 2}).away[0] == Approx(1));
     const Solid pile({.from = {0, 0, 0}, .to = {0, 0, 1}, .radius = 0.5}, false, "", "p");
-    CHECK(pile({0.8, 0, 1.4}).distance == Approx(0.5));   // off the rim: 0.3, 0.4
+    CHECK(pile({0.8, 0, 1.4}).distance == Approx(0.5));  // off the rim: 0.3, 0.4
     CHECK(pile({0.1, 0, 0.95}).distance == Approx(-0.05));
     // corners either way round
     for (const bool turned : {false, true}) {
         std::vector<std::array<double, 2>> corner{{0, 0}, {4, 0}, {4, 3}};
         if (turned) std::reverse(corner.begin(), corner.end());
         const Solid wedge({.profile = corner}, true, "", "w");
-        CHECK(wedge({2, 0, 1.5}).distance == Approx(0).margin(1e-12));   // on the slope
+        CHECK(wedge({2, 0, 1.5}).distance == Approx(0).margin(1e-12));  // on the slope
         CHECK(wedge({2, 0, 1.5}).away[2] == Approx(0.8));
         CHECK(wedge({2 - 0.6, 0, 1.5 + 0.8}).distance == Approx(1));
         CHECK(wedge({3, 0, 0.1}).distance == Approx(-0.1));
@@ -151,7 +152,7 @@ TEST_CASE("a table of positions is followed smoothly: accelerations stay bounded
     {
         std::ofstream out(path);
         out << "t, x, y, z\n# a wave maker\n";
-        for (int k = 0; k <= 80; ++k)   // sin(pi t), 20 rows a half wave
+        for (int k = 0; k <= 80; ++k)  // sin(pi t), 20 rows a half wave
             out << 0.05 * k << ", " << 0.1 * std::sin(M_PI * 0.05 * k) << ", 0, 0\n";
     }
     const MotionTable table(path, 3, "b");
@@ -196,7 +197,7 @@ TEST_CASE("a flux gauge counts the volume that went through, and nothing beside 
     input.sph.fill[0].velocity = {1, 0, 0};
     FluidSystem fluid(input, 0.4);
     SphGauge gauge;
-    gauge.box = {{0.25, 0, 0}, {0.25, 0.1, 0.05}};   // the lower half
+    gauge.box = {{0.25, 0, 0}, {0.25, 0.1, 0.05}};  // the lower half
     FluxMeter with(gauge);
     gauge.direction = {-1, 0, 0};
     FluxMeter against(gauge);
@@ -207,5 +208,5 @@ TEST_CASE("a flux gauge counts the volume that went through, and nothing beside 
     // 0.1 m went by, of which 0.05 m is water, 0.1 m x 0.05 m in section
     CHECK(with.total() == Approx(0.05 * 0.1 * 0.05).epsilon(1e-9));
     CHECK(against.total() == -with.total());
-    CHECK(with.rate(fluid) == Approx(0.1 * 0.05 * 1).epsilon(0.25));   // 2.4 layers in the mean
+    CHECK(with.rate(fluid) == Approx(0.1 * 0.05 * 1).epsilon(0.25));  // 2.4 layers in the mean
 }
