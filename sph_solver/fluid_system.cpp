@@ -6,13 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/boundary/body_fluid.hpp"
 #include "sph_solver/kernels/lattice_moment.hpp"
-#include "sph_solver/setup/fill.hpp"
 #include "sph_solver/physics/free_surface.hpp"
 #include "sph_solver/physics/heating.hpp"
 #include "sph_solver/physics/viscosity_plan.hpp"
-#include "sph_solver/physics/wall_friction.hpp"
+#include "sph_solver/physics/wall_forces.hpp"
+#include "sph_solver/setup/fill.hpp"
+#include "sph_solver/shapes/vectors.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::sph {
@@ -49,11 +50,6 @@ PairPhysics resolve_physics(const Case& input) {
     return p;
 }
 
-double kernel_value(const PairPhysics& p, double r) {
-    return with_kernel(p.kernel, p.h, p.dimension,
-                       [&](const auto& kernel) { return kernel.value(r); });
-}
-
 }  // namespace
 
 FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
@@ -70,14 +66,16 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain),
       openings_(input, physics_),
-      absorbing_(input, physics_) {
+      absorbing_(input, physics_),
+      near_walls_(spacing_, mirror_.size(), static_cast<int>(input.sph.body.size()),
+                  static_cast<int>(physics_.fluids.size())) {
     if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
     const std::size_t first_buffered = particles.size();
     openings_.fill(mirror_, domain_, particles);
-    plates = make_plates(input.sph.plate, spacing_, input.info.dimension);
+    bodies = make_bodies(input);
     index_.resize(particles.size());
     surface_.expect(particles.size());
     if (physics_.viscoplastic()) {
@@ -99,25 +97,40 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
                     "\"{}\": its normal must point into the fluid.", input.file, particles.x[i],
                     particles.y[i], particles.z[i], mirror_.plane(k).name));
     }
+    if (input.sph.lattice == FillLattice::relaxed) {
+        relaxation_ = relax(*this, input);
+        for (std::size_t i = 0; i < particles.size(); ++i)
+            particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);
+        reach_ = 1e300, rebuilds_ = 0, list_age_ = 0;
+    }
 }
 
-/// Whether the lists still hold every pair; may pack the records of time t to find out.
-bool FluidSystem::lists_hold(double t) {
+void FluidSystem::sum_under_even_pressure() {
+    refresh_neighbors(0);
+    pack(0);
+    for (Packed& q : neighbors_.records()) q.p = 1, q.vx = q.vy = q.vz = 0;
+    undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, Terms::force, particles);
+}
+
+/// Whether the lists still hold every pair; may pack the records to find out.
+bool FluidSystem::lists_hold() {
     const bool images = surface_.placed();
     if (images && reach_ > along_surface * spacing_) return false;
     // who passes an opening is noticed at the next rebuild only, and shifts are found there
     if ((openings_.any() || !shift_.empty()) && 2 * reach_ > neighbors_.skin()) return false;
-    switch (neighbors_.wear(reach_, plate_reach_)) {
+    // a body shows each particle what its surface is next to it, which is found at rebuilds as well
+    if (!neighbors_.body_targets().empty() &&
+        2 * std::max(reach_, bodies_reach_) > neighbors_.skin())
+        return false;
+    switch (neighbors_.wear(reach_ + bodies_reach_)) {
         case Neighborhood::Wear::none: return true;
         case Neighborhood::Wear::out: return false;
         case Neighborhood::Wear::perhaps: break;
     }
-    if (plate_reach_ > 0) plates.move_to(t);
 #pragma omp parallel
     {
         pack_fluid();
         pack_extras(false);   // from the records just packed
-        if (plate_reach_ > 0) pack_extras(true);
     }
     packed_ = true;
     return !neighbors_.worn();
@@ -125,24 +138,19 @@ bool FluidSystem::lists_hold(double t) {
 
 bool FluidSystem::refresh_neighbors(double t) {
     ++list_age_;
-    double plate_speed = 0;   // in the step to t
-    for (std::size_t k = 0; k < plates.walls.size(); ++k) {
-        const Vec3 v = plates.velocity(static_cast<int>(k), refreshed_);
-        plate_speed = std::max(plate_speed, std::hypot(v[0], v[1], v[2]));
-    }
-    plate_reach_ += plate_speed * (t - refreshed_);
-    refreshed_ = t;
     put_back_behind_planes();
-    if (lists_hold(t)) return false;
+    if (lists_hold()) return false;
     packed_ = false;
     // where a step moves a particle far, longer lists cost less than frequent ones
     if (rebuilds_ > 0 && list_age_ < short_lived) neighbors_.set_skin(wide_skin * spacing_);
     if (list_age_ > long_lived) neighbors_.set_skin(narrow_skin * spacing_);
     list_age_ = 0;
+    bodies.move_to(t);
+    bodies.wrap(periodic());
+    put_back_ += near_walls_.put_back(particles, bodies, periodic(), travelled_ + bodies_travelled_,
+                                      support() + neighbors_.skin());
     remove_outside();
-    plates.move_to(t);
-    wrap_plates();
-    neighbors_.rebuild(particles, plates, mirror_);
+    neighbors_.rebuild(particles, bodies, mirror_);
     if (physics_.mixed()) neighbors_.find_fluids(particles);
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
@@ -153,6 +161,7 @@ bool FluidSystem::refresh_neighbors(double t) {
     mirror_.to_fixed(origin, fixed.unit, fixed_reflections_);
     find_near_planes();
     no_slip_.find(neighbors_, mirror_, physics_.fluids, particles);
+    near_walls_.find(particles, mirror_, bodies, index_, neighbors_.skin());
     surface_.expire();
     if (physics_.tension_control != TensionControl::none || physics_.shifting > 0)
         find_free_surface(physics_, neighbors_);
@@ -160,7 +169,7 @@ bool FluidSystem::refresh_neighbors(double t) {
         pack(t);
         find_shift(physics_, neighbors_, 0.5 * neighbors_.skin() / std::max(fastest_, 1e-300), shift_);
     }
-    reach_ = plate_reach_ = 0;
+    reach_ = bodies_reach_ = 0;
     ++rebuilds_;
     return true;
 }
@@ -179,9 +188,10 @@ void FluidSystem::pack(double t) {
 #pragma omp parallel
         pack_extras(false);
     }
-    if (neighbors_.plate_targets().empty()) return;   // no plate is near the fluid
-    plates.move_to(t);
-    extrapolate_to_plates(t);   // sees the fluid and its images
+    bodies.move_to(t);
+    if (neighbors_.body_targets().empty()) return;   // no body is near the fluid
+    near_walls_.reflect(particles, bodies, reflected_);
+    continue_into_bodies(physics_, neighbors_, mirror_, reflected_, bodies);
 #pragma omp parallel
     pack_extras(true);
 }
@@ -229,7 +239,7 @@ void FluidSystem::pack_fluid() {
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
 /// p' = p + rho0 g . (x' - x), so that the wall carries the weight above it without an inflow.
-void FluidSystem::pack_extras(bool of_plates) {
+void FluidSystem::pack_extras(bool of_bodies) {
     const FixedPoint fixed = neighbors_.fixed();
     const FluidTag tag = tag_;
     const Vec3& g = physics_.gravity;
@@ -246,12 +256,12 @@ void FluidSystem::pack_extras(bool of_plates) {
 #pragma omp for schedule(static)
     for (int e = 0; e < n; ++e) {
         const int s = extras[e].source;
-        const bool plate = extras[e].from_plate;
-        if (plate != of_plates) continue;
-        const std::uint8_t own = single ? 0 : plate ? plates.fluid[s] : particles.fluid[s];
-        if (viscous) viscosity[e] = plate ? plates.viscosity[s] : particles.viscosity[s];
+        const bool body = extras[e].from_body;
+        if (body != of_bodies) continue;
+        const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
+        if (viscous) viscosity[e] = body ? bodies.viscosity[s] : particles.viscosity[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
-        if (!plate && mirror.diagonal) {   // the usual tank: from record to record
+        if (!body && mirror.diagonal) {   // the usual tank: from record to record
             const Packed from = fluid_records[s];
             Packed& q = records[e];
             q.x = mirror.sign[0] * from.x + mirror.offset[0];
@@ -266,14 +276,14 @@ void FluidSystem::pack_extras(bool of_plates) {
                   slope[own][2] * static_cast<float>(q.z - from.z);
             continue;
         }
-        const double x = plate ? plates.x[s] : particles.x[s];
-        const double y = plate ? plates.y[s] : particles.y[s];
-        const double z = plate ? plates.z[s] : particles.z[s];
-        const double vx = plate ? plates.vx[s] : particles.vx[s];
-        const double vy = plate ? plates.vy[s] : particles.vy[s];
-        const double vz = plate ? plates.vz[s] : particles.vz[s];
-        const double p = plate ? plates.p[s] : particles.p[s];
-        const double drho = plate ? 0 : particles.drho[s];
+        const double x = body ? bodies.x[s] : particles.x[s];
+        const double y = body ? bodies.y[s] : particles.y[s];
+        const double z = body ? bodies.z[s] : particles.z[s];
+        const double vx = body ? bodies.vx[s] : particles.vx[s];
+        const double vy = body ? bodies.vy[s] : particles.vy[s];
+        const double vz = body ? bodies.vz[s] : particles.vz[s];
+        const double p = body ? bodies.p[s] : particles.p[s];
+        const double drho = body ? 0 : particles.drho[s];
         const FluidLaw& fluid = physics_.fluids[own];
         const double gx = fluid.rho0 * g[0], gy = fluid.rho0 * g[1], gz = fluid.rho0 * g[2];
         const Reflection& r = mirror_.reflection(extras[e].mask);
@@ -284,7 +294,8 @@ void FluidSystem::pack_extras(bool of_plates) {
         q.x = fixed(ix, fixed.x0);
         q.y = fixed(iy, fixed.y0);
         q.z = fixed(iz, fixed.z0);
-        q.volume = tag(fluid.rho0 * fluid.volume / (fluid.rho0 + drho), own);
+        const double share = body ? bodies.share[s] : 1;
+        q.volume = tag(share * fluid.rho0 * fluid.volume / (fluid.rho0 + drho), own);
         q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
         q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
         q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
@@ -292,78 +303,12 @@ void FluidSystem::pack_extras(bool of_plates) {
     }
 }
 
-/// p_w = sum_f [p_f + rho0 (g - a_w).(x_w - x_f)] W / sum_f W, and the mean fluid velocity likewise.
-/// A free-slip plate takes the fluid's velocity along its faces and its own across them; a no-slip
-/// plate shows 2 v_w - <v_f>.  [Adami, Hu & Adams 2012, Eqs. 23, 27]
-/// A dummy passes for the fluid with the largest share in sum_f W, and shows the mean viscosity.
-void FluidSystem::extrapolate_to_plates(double t) {
-    const std::vector<int>& targets = neighbors_.plate_targets();
-    const ClusterLists& lists = neighbors_.plate_lists();
-    const std::vector<Packed>& records = neighbors_.records();
-    const std::vector<Extra>& extras = neighbors_.extras();
-    const FixedPoint& fixed = neighbors_.fixed();
-    const int fluid_count = neighbors_.fluid_count();
-    const double r_max2 = 4 * physics_.h * physics_.h;
-    const Vec3& g = physics_.gravity;
-    const bool viscous = !particles.viscosity.empty(), mixed = physics_.mixed();
-    const int n = static_cast<int>(targets.size());
-#pragma omp parallel for schedule(dynamic, 64)
-    for (int k = 0; k < n; ++k) {
-        const int d = targets[k];
-        const double px = (plates.x[d] - fixed.x0) / fixed.unit,
-                     py = (plates.y[d] - fixed.y0) / fixed.unit,
-                     pz = (plates.z[d] - fixed.z0) / fixed.unit;
-        double weight = 0, pressure = 0, u[3] = {0, 0, 0};
-        double viscosity = 0, share[FluidTag::most] = {};
-        for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
-            if (*at >= fluid_count && extras[*at - fluid_count].from_plate) continue;
-            const Packed& q = records[*at];
-            const double dx = (px - q.x) * fixed.unit, dy = (py - q.y) * fixed.unit,
-                         dz = (pz - q.z) * fixed.unit;
-            const double r2 = dx * dx + dy * dy + dz * dz;
-            if (r2 >= r_max2) continue;
-            const double w = kernel_value(physics_, std::sqrt(r2));
-            weight += w;
-            const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
-            share[own] += w;
-            if (viscous) viscosity += w * neighbors_.viscosity()[*at];
-            pressure +=
-                w * (q.p + physics_.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
-            u[0] += w * q.vx, u[1] += w * q.vy, u[2] += w * q.vz;
-        }
-        const int wall = plates.plate[d];
-        const Vec3 v = plates.velocity(wall, t);
-        double* out[3] = {&plates.vx[d], &plates.vy[d], &plates.vz[d]};
-        const int normal = plates.thin_axis(wall);
-        for (int a = 0; a < 3; ++a) {
-            const double mean = weight > 0 ? u[a] / weight : v[a];
-            if (plates.walls[wall].slip == Slip::no_slip)
-                *out[a] = 2 * v[a] - mean;
-            else
-                *out[a] = a == normal ? v[a] : mean;
-        }
-        plates.p[d] = weight > 0 ? std::max(0.0, pressure / weight) : 0;
-        plates.viscosity[d] = static_cast<float>(weight > 0 ? viscosity / weight : 0);
-        plates.fluid[d] = static_cast<std::uint8_t>(
-            std::max_element(share, share + FluidTag::most) - share);
-    }
-}
-
 /// Those with an image are all that may touch a plane before the next rebuild.
 void FluidSystem::find_near_planes() {
     near_planes_.clear();
     for (const Extra& e : neighbors_.extras())
-        if (!e.from_plate && std::has_single_bit(e.mask) && std::countr_zero(e.mask) < mirror_.size())
+        if (!e.from_body && std::has_single_bit(e.mask) && std::countr_zero(e.mask) < mirror_.size())
             near_planes_.push_back({e.source, std::countr_zero(e.mask)});
-    // the lists wear out before a particle has come nearer by half the skin: its own image would
-    rubbing_.clear();
-    const double range = 1.5 * spacing_ + neighbors_.skin();
-    for (const NearPlane& near : near_planes_) {
-        const int i = near.particle;
-        if (mirror_.plane(near.plane).slip == Slip::no_slip &&
-            mirror_.distance(near.plane, particles.x[i], particles.y[i], particles.z[i]) < range)
-            rubbing_.push_back(near);
-    }
 }
 
 void FluidSystem::put_back_behind_planes() {
@@ -376,32 +321,18 @@ void FluidSystem::put_back_behind_planes() {
     }
 }
 
-/// dv/dt = -tau w(z) / (rho dx) along the slip velocity. The weight w = 1 - |z - dx/2|/dx shares the
-/// stress out among the layers of a lattice at any distance from the wall; its sum is one.
-/// A viscoplastic fluid has the viscosity of the shear rate u/z between itself and the wall.
 void FluidSystem::add_wall_friction() {
-    for (const NearPlane& r : rubbing_) {
-        const int i = r.particle;
-        const Vec3& n = mirror_.plane(r.plane).normal;
-        const double z = mirror_.distance(r.plane, particles.x[i], particles.y[i], particles.z[i]);
-        const double weight = 1 - std::abs(z - 0.5 * spacing_) / spacing_;
-        if (!(weight > 0)) continue;
-        const double vn =
-            particles.vx[i] * n[0] + particles.vy[i] * n[1] + particles.vz[i] * n[2];
-        const double ux = particles.vx[i] - vn * n[0], uy = particles.vy[i] - vn * n[1],
-                     uz = particles.vz[i] - vn * n[2];
-        const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
-        if (!(u > 0)) continue;
-        const FluidLaw& fluid = fluid_of(i);
-        if (fluid.resolves_walls) continue;
-        const double height = std::max(z, 0.1 * spacing_);
-        const LawOfTheWall law{fluid.rho0,
-                               fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
-        const double deceleration = weight * law(u, height) / (law.rho * spacing_) / u;
-        particles.ax[i] -= static_cast<float>(deceleration * ux);
-        particles.ay[i] -= static_cast<float>(deceleration * uy);
-        particles.az[i] -= static_cast<float>(deceleration * uz);
-    }
+    near_walls_.add_stress(physics_, mirror_, bodies, particles);
+}
+
+void FluidSystem::add_coulomb_friction(double dt, double dt_before) {
+    near_walls_.add_coulomb(physics_, gravity_, mirror_, bodies, 0.5 * (dt + dt_before), particles);
+}
+
+std::vector<Vec3> FluidSystem::wall_forces() const {
+    std::vector<Vec3> force = undertow::sph::wall_forces(physics_, neighbors_, mirror_, bodies, no_slip_);
+    for (std::size_t k = 0; k < force.size(); ++k) force[k] = force[k] + near_walls_.shear(k);
+    return force;
 }
 
 void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
@@ -458,9 +389,9 @@ void FluidSystem::advance_density(double dt) {
     }
 }
 
-void FluidSystem::take_viscosity(double t, double dt, double dt_before) {
+void FluidSystem::take_viscosity(double dt, double dt_before) {
     if (implicit_)
-        implicit_->solve(physics_, neighbors_, mirror_, plates, t, 0.5 * (dt + dt_before),
+        implicit_->solve(physics_, neighbors_, mirror_, bodies, 0.5 * (dt + dt_before),
                          gravity_, index_.size(), particles);
 }
 
@@ -523,6 +454,8 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
     if (!shift_.empty()) shift_.move(dt, particles);
     reach_ += (fastest_ + shift_.fastest) * dt;
     travelled_ += (fastest_ + shift_.fastest + surface_.advance(dt)) * dt;
+    bodies_reach_ += bodies.fastest() * dt;
+    bodies_travelled_ += bodies.fastest() * dt;
     return {fastest_, std::sqrt(a2), compression / rho0, viscous_limit(), worst < 0, worst};
 }
 
@@ -570,19 +503,6 @@ double FluidSystem::largest_sound_speed() const {
     double c0 = 0;
     for (const FluidLaw& f : physics_.fluids) c0 = std::max(c0, f.c0);
     return c0;
-}
-
-/// A plate that moves along a periodic axis comes in again on the other side, dummy by dummy.
-void FluidSystem::wrap_plates() {
-    if (periodic().axes().empty()) return;
-    for (int d = 0; d < plates.size(); ++d) {
-        const double was[3] = {plates.x[d], plates.y[d], plates.z[d]};
-        double at[3] = {was[0], was[1], was[2]};
-        periodic().wrap(at);
-        plates.x0[d] += at[0] - was[0], plates.y0[d] += at[1] - was[1];
-        plates.z0[d] += at[2] - was[2];
-        plates.x[d] = at[0], plates.y[d] = at[1], plates.z[d] = at[2];
-    }
 }
 
 void FluidSystem::remove_outside() {

@@ -8,15 +8,17 @@
 
 #include "case/case.hpp"
 #include "sph_solver/boundary/absorbing_layers.hpp"
+#include "sph_solver/boundary/bodies.hpp"
 #include "sph_solver/boundary/mirror_planes.hpp"
+#include "sph_solver/boundary/near_walls.hpp"
 #include "sph_solver/boundary/openings.hpp"
-#include "sph_solver/boundary/plates.hpp"
 #include "sph_solver/boundary/surface_images.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/implicit_viscosity.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
 #include "sph_solver/physics/shifting.hpp"
+#include "sph_solver/setup/relaxation.hpp"
 #include "sph_solver/setup/start.hpp"
 
 namespace undertow::sph {
@@ -56,16 +58,18 @@ class FluidSystem {
     /// Puts particles that got behind a plane back. Sorts and rebuilds all lists if one may lack a pair,
     /// and removes what left the domain. Returns true if so.
     bool refresh_neighbors(double t);
-    /// Packs positions, velocities, volumes and pressures of fluid, plates and images at time t.
+    /// Packs positions, velocities, volumes and pressures of fluid, bodies and images at time t.
     void pack(double t);
     /// Sums over neighbors and over the images behind the coupled surface: rates, forces or both.
     void sum_over_neighbors(Terms terms);
     /// Adds the shear stress of no-slip walls to the accelerations just summed.
     void add_wall_friction();
+    /// Adds the friction of walls with a Coulomb coefficient, once all other forces and dt are known.
+    void add_coulomb_friction(double dt, double dt_before);
     /// rho += dt * D (two-pass: D just summed).
     void advance_density(double dt);
     /// Adds the viscous accelerations of an implicit update; without effect where they are in the sums.
-    void take_viscosity(double t, double dt, double dt_before);
+    void take_viscosity(double dt, double dt_before);
     /// Damps what settles and drives what is held, see Start; without effect once all are let go.
     void constrain_start(double t, double dt, double dt_before);
     /// Damps what is in absorbing layers and drives what stands in openings; without effect where
@@ -74,6 +78,14 @@ class FluidSystem {
     /// v^{n+1/2} = v^{n-1/2} + (a + g + f/m)(dt_before + dt)/2;  x^{n+1} = x^n + dt v^{n+1/2};
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
+
+    // ---- of the start
+    /// Accelerations at rest under a pressure of 1 Pa everywhere: -2/rho sum V grad W.   [m/s2]
+    void sum_under_even_pressure();
+    /// Particles were moved by up to this much [m], other than by kick_and_drift.
+    void moved(double distance) { reach_ += distance, travelled_ += distance; }
+    /// What sph.lattice = "relaxed" did.
+    const Relaxation& relaxation() const { return relaxation_; }
 
     /// Index of a particle by identity, -1 if it was removed.
     int index_of(std::int64_t id) const { return index_[id]; }
@@ -109,6 +121,9 @@ class FluidSystem {
     /// more accelerated or more viscous than others.
     int limiting_particle(const std::string& limiter) const;
     const Openings& openings() const { return openings_; }
+    const NearWalls& near_walls() const { return near_walls_; }
+    /// Force of each fluid on each plane, then on each body, shear included [N], [walls, fluids].
+    std::vector<Vec3> wall_forces() const;
     const SurfaceImages& surface() const { return surface_; }
     std::int64_t put_back() const { return put_back_ + openings_.put_back(); }
     std::int64_t rebuilds() const { return rebuilds_; }
@@ -119,17 +134,15 @@ class FluidSystem {
     const Periodic& periodic() const { return mirror_.periodic(); }
 
     Particles particles;
-    Plates plates;
+    Bodies bodies;
 
  private:
     void pack_fluid();
-    void pack_extras(bool of_plates);
-    void extrapolate_to_plates(double t);
-    bool lists_hold(double t);
+    void pack_extras(bool of_bodies);
+    bool lists_hold();
     void find_near_planes();
     void put_back_behind_planes();
     void remove_outside();
-    void wrap_plates();
     double viscous_limit() const;                 // largest mu/rho0 [m2/s]
 
     PairPhysics physics_;
@@ -153,14 +166,17 @@ class FluidSystem {
     struct NearPlane {
         int particle, plane;
     };
-    std::vector<NearPlane> near_planes_, rubbing_;   // all; those that may rub a no-slip one
+    std::vector<NearPlane> near_planes_;   // particles with an image at a plane
     bool packed_ = false;           // the records show the present state
     Shift shift_;                   // empty where there is none
+    Relaxation relaxation_;
+    NearWalls near_walls_;
+    std::vector<Vec3> reflected_;   // velocities as bodies show them [m/s], [n]
+    double bodies_reach_ = 0;       // bound on their displacement since the last rebuild [m]
+    double bodies_travelled_ = 0;   // and since the start [m]
     std::vector<int> index_;        // identity -> sorted index
     int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild
-    double refreshed_ = 0;          // time of the last refresh_neighbors [s]
-    double plate_reach_ = 0;        // bound on the plates' displacement since the last rebuild [m]
     double travelled_ = 0;          // [m]
     double fastest_ = 0;            // of the last step [m/s]
     std::vector<Removed> removed_;

@@ -85,27 +85,4 @@ double water_level(const FluidSystem& fluid, double x, double y) {
     return floor;
 }
 
-std::vector<double> read_gauges(const std::vector<SphGauge>& gauges, const FluidSystem& fluid) {
-    std::vector<double> values;
-    for (const SphGauge& gauge : gauges) switch (gauge.kind) {
-            case SphGaugeKind::front:
-                values.push_back(front_position(fluid, gauge.direction));
-                break;
-            case SphGaugeKind::pressure:
-                values.push_back(interpolate(fluid, gauge.point).p);
-                break;
-            case SphGaugeKind::water_level:
-                values.push_back(water_level(fluid, gauge.point[0], gauge.point[1]));
-                break;
-        }
-    return values;
-}
-
-std::vector<std::string> gauge_columns(const std::vector<SphGauge>& gauges) {
-    std::vector<std::string> columns;
-    for (const SphGauge& gauge : gauges)
-        columns.push_back(gauge.name + (gauge.kind == SphGaugeKind::pressure ? " [Pa]" : " [m]"));
-    return columns;
-}
-
 }  // namespace undertow::sph

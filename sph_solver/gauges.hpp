@@ -1,9 +1,6 @@
 #pragma once
 // Point gauges: where the front is, how high the water stands, what the pressure is.
 
-#include <string>
-#include <vector>
-
 #include "case/case.hpp"
 #include "sph_solver/fluid_system.hpp"
 
@@ -23,11 +20,5 @@ PointValue interpolate(const FluidSystem& fluid, const Vec3& point);
 /// Height of the free surface above the column (x, y) [m]: the highest z with sum V W >= 1/2; the
 /// lowest particle's floor (-infinity is never returned: 0 filled gives z_min) when it is dry.
 double water_level(const FluidSystem& fluid, double x, double y);
-
-/// All gauges of a case at the state the records show.
-std::vector<double> read_gauges(const std::vector<SphGauge>& gauges, const FluidSystem& fluid);
-
-/// "front [m]", "P1 [Pa]", ...
-std::vector<std::string> gauge_columns(const std::vector<SphGauge>& gauges);
 
 }  // namespace undertow::sph

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "results/log.hpp"
-#include "sph_solver/gauges.hpp"
+#include "sph_solver/shapes/vectors.hpp"
 
 namespace undertow::sph {
 
@@ -26,72 +26,66 @@ std::vector<std::string> names_of(const std::vector<Fluid>& fluids) {
 
 }  // namespace
 
-Recorder::Recorder(const Case& input, const std::string& folder, bool alone,
-                   const FluidSystem& fluid)
+Recorder::Recorder(const Case& input, const std::string& folder, bool alone)
     : folder_(folder),
       alone_(alone),
       row_times_(input.output.history_every, input.time.end),
-      gauges_(input.sph.gauge),
+      gauges_(input, folder),
       fields_(folder + "/sph"),
       names_(names_of(input.sph.fluid)),
       energy_file_(folder + "/energy.sph.csv",
                    {"energies of the fluid", "elastic: sum V p^2/(2 rho0 c0^2); potential: 0 at t = 0"},
                    with_time({"kinetic [J]", "potential [J]", "elastic [J]"})) {
-    if (!gauges_.empty())
-        gauge_file_ = std::make_unique<History>(
-            folder + "/gauges.csv",
-            std::vector<std::string>{
-                "point gauges of the fluid, unfiltered",
-                "front: foremost particle with a neighbor + dx/2; level: sum V W = 1/2"},
-            with_time(gauge_columns(gauges_)));
-    if (alone && fluid.mirror().size() > 0) {
+    for (const PlaneWall& plane : input.sph.plane) walls_.push_back(plane.name);
+    for (const Body& body : input.sph.body) walls_.push_back(body.name);
+    if (alone && !walls_.empty()) {
         std::vector<std::string> columns;
-        for (int k = 0; k < fluid.mirror().size(); ++k)
+        for (const std::string& wall : walls_)
             for (const std::string& name : names_)
                 for (const char* part : {"fx [N]", "fy [N]", "fz [N]", "impulse [N s]"})
-                    columns.push_back(
-                        fmt::format("{}.{}.{}", fluid.mirror().plane(k).name, name, part));
+                    columns.push_back(fmt::format("{}.{}.{}", wall, name, part));
         force_file_ = std::make_unique<History>(
             folder + "/forces.csv",
-            std::vector<std::string>{"normal force of the fluid on each rigid plane, unfiltered",
-                                     "impulse: integral of its magnitude, trapezoidal over the rows"},
+            std::vector<std::string>{"force of the fluid on each rigid plane and body, unfiltered",
+                                     "impulse: integral of the force on a plane along its normal, on "
+                                     "a body of its magnitude, trapezoidal over the rows"},
             with_time(columns));
-        impulse_.assign(fluid.mirror().size() * names_.size(), 0);
+        impulse_.assign(walls_.size() * names_.size(), 0);
         last_force_.assign(impulse_.size(), 0);
+        largest_force_.assign(walls_.size(), 0);
     }
 }
 
 void Recorder::observe(double t, const FluidSystem& fluid) {
+    gauges_.observe(t, fluid);
     if (!row_times_.due(t)) return;
-    if (gauge_file_) {
-        std::vector<double> row{t};
-        const std::vector<double> values = read_gauges(gauges_, fluid);
-        row.insert(row.end(), values.begin(), values.end());
-        gauge_file_->row(row);
-    }
     if (force_file_) write_wall_forces(t, fluid);
     write_energies(t, fluid);
     losses_.report(t, fluid);
 }
 
 void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
-    const std::vector<double> force = plane_forces(fluid.physics(), fluid.neighbors(), fluid.mirror());
+    const std::vector<Vec3> force = fluid.wall_forces();
     std::vector<double> row{t};
     wall_force_ = 0;
     const std::size_t fluids = names_.size();
-    for (int plane = 0; plane < fluid.mirror().size(); ++plane) {
-        double total = 0;
-        for (std::size_t k = plane * fluids; k < (plane + 1) * fluids; ++k) {
+    for (std::size_t wall = 0; wall < walls_.size(); ++wall) {
+        const bool plane = static_cast<int>(wall) < fluid.mirror().size();
+        Vec3 total{};
+        for (std::size_t k = wall * fluids; k < (wall + 1) * fluids; ++k) {
+            const Vec3& f = force[k];
+            const double size = plane ? -dot(f, fluid.mirror().plane(static_cast<int>(wall)).normal)
+                                      : length(f);
             if (last_force_t_ >= 0)
-                impulse_[k] += 0.5 * (force[k] + last_force_[k]) * (t - last_force_t_);
-            for (int a = 0; a < 3; ++a)
-                row.push_back(-force[k] * fluid.mirror().plane(plane).normal[a]);
+                impulse_[k] += 0.5 * (size + last_force_[k]) * (t - last_force_t_);
+            last_force_[k] = size;
+            row.insert(row.end(), f.begin(), f.end());
             row.push_back(impulse_[k]);
-            total += force[k];
+            total = total + f;
         }
-        wall_force_ = std::max(wall_force_, std::abs(total));
+        largest_force_[wall] = std::max(largest_force_[wall], length(total));
+        wall_force_ = std::max(wall_force_, length(total));
     }
-    last_force_ = force;
     last_force_t_ = t;
     force_file_->row(row);
 }
@@ -162,7 +156,7 @@ void Recorder::write_fields(double t, const FluidSystem& fluid) {
 }
 
 void Recorder::flush() {
-    if (gauge_file_) gauge_file_->flush();
+    gauges_.flush();
     if (force_file_) force_file_->flush();
     energy_file_.flush();
 }
@@ -200,6 +194,14 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     }
     add_budget(names_, fluid, s);
     add_model_share(fluid.mirror(), s);
+    for (std::size_t wall = 0; wall < largest_force_.size(); ++wall) {
+        double impulse = 0;
+        for (std::size_t k = 0; k < names_.size(); ++k) impulse += impulse_[wall * names_.size() + k];
+        s.set("sph.wall." + walls_[wall] + ".max_force_N", largest_force_[wall]);
+        s.set("sph.wall." + walls_[wall] + ".impulse_N_s", impulse);
+    }
+    for (const auto& [name, total] : gauges_.totals()) s.set("sph.flux." + name + ".total_m3", total);
+    if (fluid.bodies.count() > 0) s.set("sph.dummies", static_cast<std::int64_t>(fluid.bodies.size()));
     s.set("sph.wall_split_s.neighbors", f.neighbors);
     s.set("sph.wall_split_s.pack", f.pack);
     s.set("sph.wall_split_s.sums", f.sums);

@@ -10,6 +10,7 @@
 #include "results/history.hpp"
 #include "results/summary.hpp"
 #include "sph_solver/fluid_system.hpp"
+#include "sph_solver/gauge_files.hpp"
 #include "sph_solver/losses.hpp"
 
 namespace undertow::sph {
@@ -26,7 +27,7 @@ struct RunFigures {
 
 class Recorder {
  public:
-    Recorder(const Case& input, const std::string& folder, bool alone, const FluidSystem& fluid);
+    Recorder(const Case& input, const std::string& folder, bool alone);
 
     /// Gauges, forces and energies if one is due at t. The records must show the state at t.
     void observe(double t, const FluidSystem& fluid);
@@ -46,14 +47,16 @@ class Recorder {
     std::string folder_;
     bool alone_;
     HistoryTimes row_times_;
-    std::vector<SphGauge> gauges_;
+    GaugeFiles gauges_;
     ParticleFile fields_;
     std::vector<std::string> names_;   // of the fluids
-    std::unique_ptr<History> gauge_file_, force_file_;
+    std::unique_ptr<History> force_file_;
     History energy_file_;
-    std::vector<double> impulse_;      // [N s] per plane and fluid
+    std::vector<std::string> walls_;   // planes, then bodies
+    std::vector<double> impulse_;      // [N s] per wall and fluid
     double last_force_t_ = -1;         // [s]
-    std::vector<double> last_force_;   // [N] per plane and fluid
+    std::vector<double> last_force_;   // [N] per wall and fluid, see forces.csv
+    std::vector<double> largest_force_;// [N] per wall, of all fluids
     double wall_force_ = -1;
     double last_fields_ = -1;          // [s]
     LossReport losses_;

@@ -94,7 +94,7 @@ int run(const Case& input, const SolverOptions& options) {
     const double c0 = fluid.largest_sound_speed();
     std::unique_ptr<Link> link =
         alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint);
-    Recorder recorder(input, options.folder, alone, fluid);
+    Recorder recorder(input, options.folder, alone);
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
                          fluid.particles.size(), fluid.spacing(), c0, threads));
@@ -110,6 +110,18 @@ int run(const Case& input, const SolverOptions& options) {
     if (fluid.implicit_viscosity())
         log_info(fmt::format("viscous forces: implicit, {:.2g} of the mean acceleration left",
                              input.sph.viscosity_tolerance));
+    if (input.sph.lattice == FillLattice::relaxed)
+        log_info(fmt::format("relaxed start: {} iterations, unevenness {:.3g} -> {:.3g}",
+                             fluid.relaxation().iterations, fluid.relaxation().before,
+                             fluid.relaxation().after));
+    for (const RigidBody& b : fluid.bodies.body)
+        log_info(fmt::format(
+            "body \"{}\": {:.4g} x {:.4g} x {:.4g} m{}, {} dummies", b.body().name,
+            b.bounds().max[0] - b.bounds().min[0], b.bounds().max[1] - b.bounds().min[1],
+            b.bounds().max[2] - b.bounds().min[2],
+            b.surface() ? fmt::format(", {} facets", b.surface()->facets()) : "",
+            fluid.bodies.dummies_of(static_cast<int>(&b - fluid.bodies.body.data()))));
+
     if (fluid.start().end() > 0)
         log_info(fmt::format("start: damped at {:.4g} 1/s until {:.4g} s, all let go at {:.4g} s",
                              fluid.start().damping(), input.start.settle, fluid.start().end()));
@@ -173,8 +185,9 @@ int run(const Case& input, const SolverOptions& options) {
             watch.lap(figures.contact_wait);
             if (order.finished) break;
 
-            fluid.take_viscosity(t, order.dt, dt);
+            fluid.take_viscosity(order.dt, dt);
             watch.lap(figures.viscosity);
+            fluid.add_coulomb_friction(order.dt, dt);
             fluid.constrain_start(t, order.dt, dt);
             fluid.constrain_ends(t, order.dt, dt);
             health = fluid.kick_and_drift(order.dt, dt, dt_before, !two_pass);

@@ -51,7 +51,8 @@ enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
 enum class TensionControl { none, spray, switched };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
-enum class Slip { free_slip, no_slip };
+enum class FillLattice { square, relaxed };
+enum class Slip { free_slip, no_slip, friction };
 enum class ViscositySolver { automatic, explicit_sums, implicit };
 enum class ViscousForm { laplacian, strain };
 
@@ -72,6 +73,18 @@ struct Fluid {                           // [[sph.fluid]]
     double tait_exponent = 7;
 };
 
+/// A shape in space: a box, a prism, a cylinder or the inside of a closed surface.
+struct Shape {
+    std::optional<Box> box{};            // [m]
+    std::vector<std::array<double, 2>> profile{};// [m] polygon in x, z: a prism along y, as long as
+                                         // the box is if there is one, else without ends
+    Vec3 from{}, to{};                   // [m] axis of a cylinder with flat ends; 2D: along y, a disc
+    double radius = 0;                   // [m] of the cylinder; 0 = none
+    std::string stl{};                     // file with a closed surface, ASCII or binary
+    double scale = 1;                    // [m] of one unit in the file
+    Vec3 at{};                           // [m] where the file's origin comes to lie
+};
+
 struct Fill {                            // [[sph.fill]] particles, cell-centered in the box
     std::string fluid;                   // where fills overlap, the later one has the place
     Box box;
@@ -85,41 +98,53 @@ struct Fill {                            // [[sph.fill]] particles, cell-centere
                                          // its speed rising smoothly from 0 to `velocity` in this
                                          // time, then let go where box and profile say; it starts
                                          // velocity ramp/2 behind
+    Shape within{};                      // only what lies in this cylinder or STL file; its keys
+                                         // stand in the table itself
     std::optional<double> surface_level{}; // [m] z of p = 0 for the hydrostatic start; none = top of box
 };
 
 struct Obstacle {                        // [[sph.obstacle]] a body that fills leave free
     std::string name;
-    std::optional<Box> box{};            // a box, or a cylinder with flat ends:
-    Vec3 from{}, to{};                   // [m] its axis
-    double radius = 0;                   // [m]
+    Shape shape{};                       // its keys stand in the table itself
 };
 
 struct PlaneWall {                       // [[sph.plane]] infinite rigid wall, by mirror particles
     std::string name;
     Vec3 point{};                        // [m]
     Vec3 normal{0, 0, 1};                // into the fluid
-    Slip slip = Slip::free_slip;         // "free" (or "free_slip"), "no_slip"
+    Slip slip = Slip::free_slip;         // "free" (or "free_slip"), "no_slip", "friction"
+    double friction = 0;                 // Coulomb coefficient of "friction"
     Vec3 velocity{};                     // [m/s] along itself, of a no-slip plane
     bool symmetry = false;               // slip = "symmetry": free, and the summary says that forces
                                          // and masses are those of one half
 };
 
-struct PlateWall {                       // [[sph.plate]] rigid box of dummy particles, may move (gate)
+/// A rigid body of dummy particles, at rest or moving by a law: velocity, displacement or motion.
+struct Body {                            // [[sph.body]]
     std::string name;
-    Box box;
-    Vec3 velocity{};                     // [m/s]
+    Shape shape{};                       // its keys stand in the table itself
+    bool inside = false;                 // the fluid is inside the shape (a tank), not around it
+    Vec3 velocity{};                     // [m/s] from start to stop
     double start = 0;                    // [s] motion begins
     double stop = std::numeric_limits<double>::infinity();   // [s] motion ends
-    Slip slip = Slip::free_slip;
+    std::vector<Expression> displacement{};      // [m] x, y, z, formulas of t
+    std::string motion;                  // CSV file: t [s], x, y, z [m] and, if it turns, angle [rad]
+    std::optional<Expression> angle{};   // [rad] formula of t; counts about `axis` through `center`
+    Vec3 axis{0, 1, 0};                  // unit vector
+    Vec3 center{};                       // [m] moves with the body
+    Slip slip = Slip::free_slip;         // "free", "no_slip", "friction"
+    double friction = 0;                 // Coulomb coefficient of "friction"
 };
 
-enum class SphGaugeKind { front, pressure, water_level };
+enum class SphGaugeKind { front, pressure, water_level, flux, force };
 struct SphGauge {                        // [[sph.gauge]]
     std::string name;
-    SphGaugeKind kind = SphGaugeKind::front;   // "front", "pressure", "water_level"
+    SphGaugeKind kind = SphGaugeKind::front;   // "front", "pressure", "water_level", "flux", "force"
     Vec3 point{};                        // [m] pressure: where; water_level: its x, y
-    Vec3 direction{1, 0, 0};             // front: which way it runs
+    Vec3 direction{1, 0, 0};             // front: which way it runs; flux: which way counts
+    Box box{};                           // [m] flux: a rectangle, min = max in one direction
+    std::string wall;                    // force: name of a [[sph.plane]] or [[sph.body]]
+    double every = 0;                    // [s] 0 = output.history_every
 };
 
 struct Inflow {                          // [[sph.inflow]] an opening through which fluid comes
@@ -168,6 +193,7 @@ struct SphSettings {
     // particles inside the fluid by pressure differences, "none" lets all clump
     TensionControl tension_control = TensionControl::spray;
     double shifting = 0;                 // strength K of particle shifting; 0 = off, typical 10
+    FillLattice lattice = FillLattice::square;   // "square", "relaxed": fitted to curved bodies
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"
     double cfl = 0;                      // of the acoustic limit dt = cfl h/(c0+|v|); 0 = safe value of the integrator
@@ -181,7 +207,7 @@ struct SphSettings {
     std::vector<Fill> fill;
     std::vector<Obstacle> obstacle;
     std::vector<PlaneWall> plane;
-    std::vector<PlateWall> plate;
+    std::vector<Body> body;
     std::vector<Inflow> inflow;
     std::vector<Outflow> outflow;
     std::vector<AbsorbingLayer> absorbing;

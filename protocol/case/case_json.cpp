@@ -35,7 +35,7 @@ const char* name(EquationOfState v) {
     return v == EquationOfState::us_up ? "us_up" : "tait";
 }
 const char* name(Slip v) {
-    return v == Slip::free_slip ? "free" : "no_slip";
+    return v == Slip::free_slip ? "free" : v == Slip::no_slip ? "no_slip" : "friction";
 }
 const char* name(StiffnessLaw v) {
     return v == StiffnessLaw::fluid ? "fluid" : "eq11";
@@ -56,10 +56,15 @@ const char* name(ViscositySolver v) {
 const char* name(ViscousForm v) {
     return v == ViscousForm::laplacian ? "laplacian" : "strain";
 }
+const char* name(FillLattice v) {
+    return v == FillLattice::square ? "square" : "relaxed";
+}
 const char* name(SphGaugeKind v) {
-    return v == SphGaugeKind::front      ? "front"
-           : v == SphGaugeKind::pressure ? "pressure"
-                                         : "water_level";
+    return v == SphGaugeKind::front         ? "front"
+           : v == SphGaugeKind::pressure    ? "pressure"
+           : v == SphGaugeKind::water_level ? "water_level"
+           : v == SphGaugeKind::flux        ? "flux"
+                                            : "force";
 }
 
 }  // namespace
@@ -67,6 +72,15 @@ const char* name(SphGaugeKind v) {
 // Found by argument-dependent lookup: nlohmann turns vectors of these into arrays by itself.
 void to_json(Json& j, const Box& v) {
     j = {{"min", v.min}, {"max", v.max}};
+}
+
+/// The table with the keys of its shape.
+Json with_shape(Json j, const Shape& v) {
+    if (v.box) j["box"] = *v.box;
+    if (!v.profile.empty()) j["profile"] = v.profile;
+    if (v.radius > 0) j["from"] = v.from, j["to"] = v.to, j["radius"] = v.radius;
+    if (!v.stl.empty()) j["stl"] = v.stl, j["scale"] = v.scale, j["at"] = v.at;
+    return j;
 }
 
 void to_json(Json& j, const Fluid& v) {
@@ -93,13 +107,11 @@ void to_json(Json& j, const Fill& v) {
          {"pressure", v.pressure ? Json(v.pressure->text()) : Json(nullptr)},
          {"ramp", v.ramp},
          {"surface_level", v.surface_level ? Json(*v.surface_level) : Json(nullptr)}};
+    j = with_shape(std::move(j), v.within);
 }
 
 void to_json(Json& j, const Obstacle& v) {
-    if (v.box)
-        j = {{"name", v.name}, {"box", *v.box}};
-    else
-        j = {{"name", v.name}, {"from", v.from}, {"to", v.to}, {"radius", v.radius}};
+    j = with_shape({{"name", v.name}}, v.shape);
 }
 
 void to_json(Json& j, const PlaneWall& v) {
@@ -107,12 +119,23 @@ void to_json(Json& j, const PlaneWall& v) {
          {"point", v.point},
          {"normal", v.normal},
          {"slip", v.symmetry ? "symmetry" : name(v.slip)},
+         {"friction", v.friction},
          {"velocity", v.velocity}};
 }
 
-void to_json(Json& j, const PlateWall& v) {
-    j = {{"name", v.name},   {"box", v.box},           {"velocity", v.velocity},
-         {"start", v.start}, {"stop", number(v.stop)}, {"slip", name(v.slip)}};
+void to_json(Json& j, const Body& v) {
+    j = with_shape({{"name", v.name},
+                    {"inside", v.inside},
+                    {"velocity", v.velocity},
+                    {"start", v.start},
+                    {"stop", number(v.stop)},
+                    {"slip", name(v.slip)},
+                    {"friction", v.friction}},
+                   v.shape);
+    if (!v.displacement.empty()) j["displacement"] = texts(v.displacement);
+    if (!v.motion.empty()) j["motion"] = v.motion;
+    if (v.angle) j["angle"] = v.angle->text();
+    if (v.angle || !v.motion.empty()) j["axis"] = v.axis, j["center"] = v.center;
 }
 
 void to_json(Json& j, const Inflow& v) {
@@ -142,7 +165,13 @@ void to_json(Json& j, const AbsorbingLayer& v) {
 }
 
 void to_json(Json& j, const SphGauge& v) {
-    j = {{"name", v.name}, {"kind", name(v.kind)}, {"point", v.point}, {"direction", v.direction}};
+    j = {{"name", v.name},
+         {"kind", name(v.kind)},
+         {"point", v.point},
+         {"direction", v.direction},
+         {"every", v.every}};
+    if (v.kind == SphGaugeKind::flux) j["box"] = v.box;
+    if (v.kind == SphGaugeKind::force) j["wall"] = v.wall;
 }
 
 void to_json(Json& j, const SphSettings& v) {
@@ -156,6 +185,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"viscous_form", name(v.viscous_form)},
          {"tension_control", name(v.tension_control)},
          {"shifting", v.shifting},
+         {"lattice", name(v.lattice)},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},
          {"cfl", v.cfl},
@@ -167,7 +197,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"fill", v.fill},
          {"obstacle", v.obstacle},
          {"plane", v.plane},
-         {"plate", v.plate},
+         {"body", v.body},
          {"inflow", v.inflow},
          {"outflow", v.outflow},
          {"absorbing", v.absorbing},

@@ -2,45 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "case/nearest.hpp"
 #include "case/sections.hpp"
+#include "case/sph_sections.hpp"
 
 namespace undertow {
 
 namespace {
-
-const std::vector<std::pair<std::string, Slip>> slip_names{
-    {"free", Slip::free_slip}, {"free_slip", Slip::free_slip}, {"no_slip", Slip::no_slip}};
-
-/// The axes in which a box has an extent that matters.
-std::string axes_of(const CaseInfo& info) {
-    return info.dimension == 2 ? "xz" : "xyz";
-}
-
-void require_in_plane(TableReader& reader, const char* key, const Vec3& v, const CaseInfo& info) {
-    if (info.dimension == 2 && v[1] != 0)
-        reader.reject(key, "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
-}
-
-/// A box must hold at least one particle across; round-off of decimal numbers is forgiven.
-void require_one_spacing(TableReader& reader, const Box& box, double spacing,
-                         const CaseInfo& info) {
-    if (!reader.has("box") || spacing <= 0) return;
-    for (const char axis : axes_of(info)) {
-        const auto k = static_cast<std::size_t>(axis - 'x');
-        const double extent = box.max[k] - box.min[k];
-        if (extent >= spacing * (1 - 1e-9)) continue;
-        char text[160];
-        std::snprintf(
-            text, sizeof text,
-            "is %.6g m thin in %c: it must be at least one spacing, sph.spacing = %.6g m; "
-            "use a finer spacing or a thicker box.",
-            extent, axis, spacing);
-        reader.reject("box", text);
-    }
-}
 
 void read_fluid(TableReader& reader, Fluid& fluid) {
     reader.require("name", "a word that fills refer to");
@@ -81,6 +50,7 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
     reader.box("box", fill.box, axes_of(info));
     require_one_spacing(reader, fill.box, sph.spacing, info);
     reader.polygon("profile", fill.profile);
+    read_cylinder_or_stl(reader, fill.within, info);
     reader.vector("velocity", fill.velocity, fill.velocity_field, "xyz", "m/s");
     require_in_plane(reader, "velocity", fill.velocity, info);
     if (info.dimension == 2 && !fill.velocity_field.empty() && fill.velocity_field[1].text() != "0")
@@ -103,85 +73,6 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
                                      ": particles there would be removed at once; enlarge "
                                      "sph.domain or shrink the box.");
     }
-}
-
-void read_obstacle(TableReader& reader, Obstacle& obstacle, const CaseInfo& info) {
-    reader.require("name", "a word for messages");
-    reader.text("name", obstacle.name);
-    Box box;
-    reader.box("box", box, axes_of(info));
-    if (reader.has_table("box")) {
-        obstacle.box = box;
-    } else {
-        reader.require("from", "one end [x, y, z] of a cylinder's axis, or a box { min, max }");
-        reader.require("to", "the other end of the axis");
-        reader.require("radius", "the cylinder's radius in m");
-    }
-    reader.vector("from", obstacle.from, "m");
-    reader.vector("to", obstacle.to, "m");
-    reader.number("radius", obstacle.radius, positive("m"));
-    if (obstacle.box && (reader.has("from") || reader.has("to") || reader.has("radius")))
-        reader.reject("box", "is one shape too many: from, to and radius give a cylinder.");
-    if (reader.has("from") && obstacle.from == obstacle.to)
-        reader.reject("to", "is not allowed: the axis has no length.");
-}
-
-void read_plane(TableReader& reader, PlaneWall& plane, const CaseInfo& info) {
-    reader.require("name", "a word for messages");
-    reader.require("point", "a point [x, y, z] of the plane");
-    reader.require("normal", "the direction [x, y, z] that points into the fluid");
-    reader.text("name", plane.name);
-    reader.vector("point", plane.point, "m");
-    reader.direction("normal", plane.normal);
-    require_in_plane(reader, "normal", plane.normal, info);
-    auto names = slip_names;   // a plane of symmetry is a mirror without friction
-    names.emplace_back("symmetry", Slip::free_slip);
-    reader.choice<Slip>("slip", plane.slip, names);
-    std::string slip;
-    reader.text("slip", slip);
-    plane.symmetry = slip == "symmetry";
-    reader.vector("velocity", plane.velocity, "m/s");
-    require_in_plane(reader, "velocity", plane.velocity, info);
-    if (!reader.has("velocity")) return;
-    const Vec3 &n = plane.normal, &v = plane.velocity;
-    const double across = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
-    if (std::abs(across) > 1e-9 * std::hypot(n[0], n[1], n[2]) * std::hypot(v[0], v[1], v[2]))
-        reader.reject("velocity",
-                      "is not allowed: a plane moves only along itself; a wall that pushes is an "
-                      "[[sph.plate]].");
-    if (plane.slip != Slip::no_slip)
-        reader.reject("velocity", "has no effect on a free-slip plane: set slip = \"no_slip\".");
-}
-
-void read_plate(TableReader& reader, PlateWall& plate, const SphSettings& sph,
-                const CaseInfo& info) {
-    reader.require("name", "a word for messages");
-    reader.require("box", "the box { min, max } of the plate");
-    reader.text("name", plate.name);
-    reader.box("box", plate.box, axes_of(info));
-    require_one_spacing(reader, plate.box, sph.spacing, info);
-    reader.vector("velocity", plate.velocity, "m/s");
-    require_in_plane(reader, "velocity", plate.velocity, info);
-    reader.number("start", plate.start, at_least(0, "s"));
-    Range stop = at_least(0, "s");
-    stop.infinite = true;
-    reader.number("stop", plate.stop, stop);
-    if (plate.stop < plate.start)
-        reader.reject("stop", "is not allowed: the motion must not end before it starts.");
-    reader.choice<Slip>("slip", plate.slip, slip_names);
-}
-
-void read_gauge(TableReader& reader, SphGauge& gauge) {
-    reader.require("name", "a word for the column of gauges.csv");
-    reader.require("kind", "one of front, pressure, water_level");
-    reader.text("name", gauge.name);
-    reader.choice<SphGaugeKind>("kind", gauge.kind,
-                                {{"front", SphGaugeKind::front},
-                                 {"pressure", SphGaugeKind::pressure},
-                                 {"water_level", SphGaugeKind::water_level}});
-    if (gauge.kind != SphGaugeKind::front) reader.require("point", "where it measures, [x, y, z]");
-    reader.vector("point", gauge.point, "m");
-    reader.direction("direction", gauge.direction);
 }
 
 }  // namespace
@@ -215,6 +106,8 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                                   {{"none", TensionControl::none},
                                    {"spray", TensionControl::spray},
                                    {"switched", TensionControl::switched}});
+    reader.choice<FillLattice>("lattice", sph.lattice,
+                               {{"square", FillLattice::square}, {"relaxed", FillLattice::relaxed}});
     reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},
@@ -237,12 +130,16 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     });
     reader.tables("plane",
                   [&](TableReader& entry) { read_plane(entry, sph.plane.emplace_back(), info); });
-    reader.tables("plate", [&](TableReader& entry) {
-        read_plate(entry, sph.plate.emplace_back(), sph, info);
+    if (reader.has("plate"))
+        reader.reject("plate", "is not known: rigid bodies of any shape are [[sph.body]]; a plate "
+                               "is one with a box, its other keys are the same.");
+    reader.tables("body", [&](TableReader& entry) {
+        read_body(entry, sph.body.emplace_back(), sph, info);
+    });
+    reader.tables("gauge", [&](TableReader& entry) {
+        read_gauge(entry, sph.gauge.emplace_back(), sph, info);
     });
     read_sph_ends(reader, sph, info);
-    reader.tables("gauge",
-                  [&](TableReader& entry) { read_gauge(entry, sph.gauge.emplace_back()); });
 }
 
 }  // namespace undertow

@@ -56,7 +56,7 @@ MirrorPlanes::MirrorPlanes(const std::vector<PlaneWall>& planes, const Periodic&
             if (off > 1e-9)
                 throw InputError(fmt::format(
                     "sph.plane \"{}\" and \"{}\" meet at {:.2f} degrees: mirror planes must be "
-                    "perpendicular or parallel; model the slanted one as an [[sph.plate]].",
+                    "perpendicular or parallel; model the slanted one as an [[sph.body]].",
                     planes_[a].name, planes_[b].name,
                     std::acos(std::min(1.0, std::abs(cosine))) * 180 / 3.14159265358979));
         }

@@ -47,6 +47,12 @@ class MirrorPlanes {
                (z - w.point[2]) * w.normal[2];
     }
 
+    bool behind(double x, double y, double z) const {
+        for (int k = 0; k < size(); ++k)
+            if (distance(k, x, y, z) < 0) return true;
+        return false;
+    }
+
     /// Appends the masks of all images of a point that lie within `range` behind their walls, or
     /// beyond a face of a periodic axis.
     void images_of(double x, double y, double z, double range, std::vector<PlaneMask>& masks) const;

@@ -18,7 +18,7 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
     const int n = neighbors.fluid_count();
     image_of_.assign(extras.size(), -1);
     for (std::size_t e = 0; e < extras.size(); ++e) {
-        if (extras[e].from_plate || !(extras[e].mask & holding)) continue;
+        if (extras[e].from_body || !(extras[e].mask & holding)) continue;
         const FluidLaw& fluid = fluids[particles.fluid[extras[e].source]];
         if (!fluid.resolves_walls) continue;
         image_of_[e] = static_cast<int>(images_.size());

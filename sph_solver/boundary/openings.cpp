@@ -90,7 +90,7 @@ void Openings::fill(const MirrorPlanes& mirror, const std::optional<Box>& domain
                 throw InputError(fmt::format(
                     "sph.{} \"{}\": the fluid outside of the opening would stand behind sph.plane "
                     "\"{}\": a mirror plane has no openings; remove it, and build what is left of "
-                    "that wall from [[sph.plate]]s.",
+                    "that wall from [[sph.body]] boxes.",
                     o.inflow ? "inflow" : "outflow", o.name, mirror.plane(w).name));
         for (int a = 0; domain && a < 3; ++a)
             if (!(flat_ && a == 1) && (x[a] < domain->min[a] || x[a] > domain->max[a]))
@@ -288,7 +288,7 @@ void Openings::locate(const Particles& particles, const std::vector<int>& index,
             int source = j;
             if (j >= fluid_count) {
                 const Extra& e = extras[j - fluid_count];
-                if (e.from_plate) return;
+                if (e.from_body) return;
                 source = e.source;
             }
             if (role_[source] != 0) return;

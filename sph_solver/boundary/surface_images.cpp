@@ -133,7 +133,7 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
         const double s_i = height(i);
         for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
             const bool mirrored = *at >= n;
-            if (mirrored && extras[*at - n].from_plate) continue;
+            if (mirrored && extras[*at - n].from_body) continue;
             const int source = mirrored ? extras[*at - n].source : *at;
             const int b = source == own && !mirrored ? a : same_wall_of(source, i.normal);
             if (b < 0 || (!mirrored && b < a)) continue;  // each pair once

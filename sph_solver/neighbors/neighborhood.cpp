@@ -22,7 +22,7 @@ double Neighborhood::image_range(const Periodic& periodic) const {
 }
 
 void Neighborhood::lay_out_grid(const Particles& particles, const Periodic& periodic,
-                                bool with_plates) {
+                                bool with_bodies) {
     const int n = static_cast<int>(particles.size());
     double x0 = 1e300, y0 = 1e300, z0 = 1e300, x1 = -1e300, y1 = -1e300, z1 = -1e300;
 #pragma omp parallel for reduction(min : x0, y0, z0) reduction(max : x1, y1, z1)
@@ -33,7 +33,7 @@ void Neighborhood::lay_out_grid(const Particles& particles, const Periodic& peri
     }
     if (n == 0) x0 = y0 = z0 = x1 = y1 = z1 = 0;
     // dummies outside are left out: none may come near before the next rebuild
-    const double margin = support_ + (with_plates ? fluid_goes_ + dummies_go_ : 2 * skin_);
+    const double margin = support_ + (with_bodies ? goes_ : 2 * skin_);
     const double lo[3] = {x0 - margin, y0 - margin, z0 - margin};
     const double hi[3] = {x1 + margin, y1 + margin, z1 + margin};
     // A few particles thrown far must not cost memory: widen the cells rather than have 16 per particle.
@@ -95,30 +95,32 @@ void Neighborhood::sort(Particles& particles) {
     }
 }
 
-void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
+void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
                                const MirrorPlanes& mirror) {
     const double range = image_range(mirror.periodic());
     unsorted_extras_.clear();
-    const auto add_images = [&](int source, double x, double y, double z, bool from_plate) {
+    const auto add_images = [&](int source, double x, double y, double z, bool from_body) {
         masks_.clear();
-        mirror.images_of(x, y, z, from_plate ? range + dummies_go_ : range, masks_);
-        for (const PlaneMask mask : masks_) unsorted_extras_.push_back({source, mask, from_plate});
+        mirror.images_of(x, y, z, range, masks_);
+        for (const PlaneMask mask : masks_) unsorted_extras_.push_back({source, mask, from_body});
     };
-    // images of the fluid first: they are the sources of the plates' extrapolation
+    // images of the fluid first: they are the sources of the bodies' extrapolation
     for (std::size_t i = 0; i < particles.size(); ++i)
         add_images(static_cast<int>(i), particles.x[i], particles.y[i], particles.z[i], false);
-    for (int d = 0; d < plates.size(); ++d) {
-        if (plates.x[d] < lo_[0] || plates.x[d] > hi_[0] || plates.y[d] < lo_[1] ||
-            plates.y[d] > hi_[1] || plates.z[d] < lo_[2] || plates.z[d] > hi_[2])
+    for (int d = 0; d < bodies.size(); ++d) {
+        if (bodies.x[d] < lo_[0] || bodies.x[d] > hi_[0] || bodies.y[d] < lo_[1] ||
+            bodies.y[d] > hi_[1] || bodies.z[d] < lo_[2] || bodies.z[d] > hi_[2])
             continue;   // nothing of the fluid is near
+        // behind a plane stand the images of what is before it
+        if (mirror.behind(bodies.x[d], bodies.y[d], bodies.z[d])) continue;
         unsorted_extras_.push_back({d, 0, true});
-        add_images(d, plates.x[d], plates.y[d], plates.z[d], true);
+        add_images(d, bodies.x[d], bodies.y[d], bodies.z[d], true);
     }
 
     const auto position = [&](const Extra& e) {
-        const double x = e.from_plate ? plates.x[e.source] : particles.x[e.source];
-        const double y = e.from_plate ? plates.y[e.source] : particles.y[e.source];
-        const double z = e.from_plate ? plates.z[e.source] : particles.z[e.source];
+        const double x = e.from_body ? bodies.x[e.source] : particles.x[e.source];
+        const double y = e.from_body ? bodies.y[e.source] : particles.y[e.source];
+        const double z = e.from_body ? bodies.z[e.source] : particles.z[e.source];
         const Reflection& r = mirror.reflection(e.mask);
         return Vec3{r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0],
                     r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1],
@@ -146,35 +148,35 @@ void Neighborhood::find_extras(const Particles& particles, const Plates& plates,
     }
 }
 
-void Neighborhood::rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror) {
+void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror) {
     fluid_count_ = static_cast<int>(particles.size());
-    lay_out_grid(particles, mirror.periodic(), plates.size() > 0);
+    lay_out_grid(particles, mirror.periodic(), bodies.size() > 0);
     sort(particles);
-    find_extras(particles, plates, mirror);
+    find_extras(particles, bodies, mirror);
     const double range = support_ + skin_;
     fluid_lists_.build(grid_, fixed_, records_, 0, fluid_count_,
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
 
-    std::vector<DriftWatch::Border> borders;
+    borders_.clear();
     for (int k = 0; k < mirror.size(); ++k)
-        borders.push_back({mirror.plane(k).point, mirror.plane(k).normal});
-    watch_.start(records_, fluid_count_, fixed_, support_, skin_, borders,
+        borders_.push_back({mirror.plane(k).point, mirror.plane(k).normal});
+    watch_.start(records_, fluid_count_, fixed_, support_, skin_, borders_,
                  image_range(mirror.periodic()), !mirror.periodic().axes().empty());
 
-    // The plates' dummies are targets as well: records of their own, sources only fluid and its images
+    // The bodies' dummies are targets as well: records of their own, sources only fluid and its images
     // (images of dummies are skipped in the sum).
-    plate_targets_.clear();
-    if (plates.size() == 0) return;
-    plate_records_ = records_;
-    plate_records_.resize(fluid_count_ + extras_.size());
+    body_targets_.clear();
+    if (bodies.size() == 0) return;
+    body_records_ = records_;
+    body_records_.resize(fluid_count_ + extras_.size());
     for (std::size_t k = 0; k < extras_.size(); ++k)
-        if (extras_[k].from_plate && extras_[k].mask == 0) {
-            plate_targets_.push_back(extras_[k].source);
-            plate_records_.push_back(records_[fluid_count_ + k]);
+        if (extras_[k].from_body && extras_[k].mask == 0) {
+            body_targets_.push_back(extras_[k].source);
+            body_records_.push_back(records_[fluid_count_ + k]);
         }
-    plate_lists_.build(grid_, fixed_, plate_records_,
+    body_lists_.build(grid_, fixed_, body_records_,
                        static_cast<int>(fluid_count_ + extras_.size()),
-                       static_cast<int>(plate_targets_.size()),
+                       static_cast<int>(body_targets_.size()),
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
 }
 
@@ -188,7 +190,7 @@ void Neighborhood::find_fluids(const Particles& particles) {
         for (int j = 0; j < records; ++j) {
             const bool extra = j >= fluid_count_;
             const Extra* e = extra ? &extras_[j - fluid_count_] : nullptr;
-            record_fluid_[j] = extra && e->from_plate
+            record_fluid_[j] = extra && e->from_body
                                    ? 0
                                    : FluidBits(1u << particles.fluid[extra ? e->source : j]);
         }

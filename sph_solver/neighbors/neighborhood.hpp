@@ -1,23 +1,22 @@
 #pragma once
-// Everything the pair loop walks over: packed records of the fluid, then of plates and mirror images
+// Everything the pair loop walks over: packed records of the fluid, then of bodies and mirror images
 // ("extras"), and the cluster lists over them. Rebuilt when a pair may be missing, see DriftWatch.
 
-#include <algorithm>
 #include <vector>
 
 #include "sph_solver/boundary/mirror_planes.hpp"
-#include "sph_solver/boundary/plates.hpp"
+#include "sph_solver/boundary/bodies.hpp"
 #include "sph_solver/neighbors/cluster_lists.hpp"
 #include "sph_solver/neighbors/drift_watch.hpp"
 #include "sph_solver/particles.hpp"
 
 namespace undertow::sph {
 
-/// A record beyond the fluid: a plate's dummy, or the image of a particle or of a dummy.
+/// A record beyond the fluid: a body's dummy, or the image of a particle or of a dummy.
 struct Extra {
     int source;        // particle (sorted index) or dummy
     PlaneMask mask;    // planes it is mirrored at, periods it is moved by; 0 = the dummy itself
-    bool from_plate;
+    bool from_body;
 };
 
 /// Where a particle lies, see find_free_surface.
@@ -37,23 +36,22 @@ class Neighborhood {
         : support_(support),
           skin_(skin),
           spacing_(spacing),
-          fluid_goes_(1.5 * support),
-          dummies_go_(spacing) {}
+          goes_(1.5 * support) {}
 
     /// Sorts the particles (all arrays), finds the extras, and builds all lists.
-    void rebuild(Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
+    void rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
     /// Finds out which fluids each cluster holds and meets; to be called after a rebuild where there
     /// are several. Other clusters run as if their fluid were the only one.
     void find_fluids(const Particles& particles);
 
     /// Whether a pair may be missing from the lists: surely not while nothing has moved by half the
-    /// skin (reach: the most that fluid has, dummies: that dummies have [m]), surely where anything
-    /// has moved farther than the lists look out for it; in between the records decide, which must
-    /// show the present positions.
+    /// skin, surely where anything has moved farther than the lists look out for it; in between
+    /// the records decide, which must show the present positions. reach: the most that fluid has
+    /// moved, and bodies on top [m].
     enum class Wear { none, perhaps, out };
-    Wear wear(double reach, double dummies) const {
-        if (2 * std::max(reach, dummies) <= skin_) return Wear::none;
-        return reach > fluid_goes_ || dummies > dummies_go_ ? Wear::out : Wear::perhaps;
+    Wear wear(double reach) const {
+        if (2 * reach <= skin_) return Wear::none;
+        return reach > goes_ ? Wear::out : Wear::perhaps;
     }
     bool worn() { return watch_.worn(records_); }
     double support() const { return support_; }
@@ -67,9 +65,9 @@ class Neighborhood {
     const std::vector<Packed>& records() const { return records_; }
     const std::vector<Extra>& extras() const { return extras_; }
     const ClusterLists& fluid_lists() const { return fluid_lists_; }
-    const ClusterLists& plate_lists() const { return plate_lists_; }
-    /// Dummies as targets of plate_lists(), in that order.
-    const std::vector<int>& plate_targets() const { return plate_targets_; }
+    const ClusterLists& body_lists() const { return body_lists_; }
+    /// Dummies as targets of body_lists(), in that order.
+    const std::vector<int>& body_targets() const { return body_targets_; }
     int fluid_count() const { return fluid_count_; }
 
     /// Bit k: the cluster holds fluid k; it or its list (dummies left out) holds fluid k.
@@ -98,27 +96,28 @@ class Neighborhood {
     }
 
  private:
-    void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_plates);
+    void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_bodies);
     double image_range(const Periodic& periodic) const;   // [m]
     void sort(Particles& particles);
-    void find_extras(const Particles& particles, const Plates& plates, const MirrorPlanes& mirror);
+    void find_extras(const Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
 
     double support_, skin_, spacing_;   // [m]
-    double fluid_goes_, dummies_go_;    // [m] how far, from one rebuild to the next
+    double goes_;                       // [m] how far anything, from one rebuild to the next
     DriftWatch watch_;
+    std::vector<DriftWatch::Border> borders_;
     double lo_[3], hi_[3];              // [m] bounds of the grid
     ColumnGrid grid_;
     FixedPoint fixed_;
     int fluid_count_ = 0;
     std::vector<Extra> extras_, unsorted_extras_;
-    std::vector<Packed> records_, plate_records_;
-    std::vector<int> fluid_start_, extra_start_, order_, plate_targets_;
+    std::vector<Packed> records_, body_records_;
+    std::vector<int> fluid_start_, extra_start_, order_, body_targets_;
     std::vector<std::int64_t> cell_;
     std::vector<double> scratch_;
     std::vector<std::int64_t> scratch_id_;
     std::vector<std::uint8_t> scratch_byte_;
     std::vector<PlaneMask> masks_;
-    ClusterLists fluid_lists_, plate_lists_;
+    ClusterLists fluid_lists_, body_lists_;
     struct ClusterFluids {
         FluidBits held, met;
     };

@@ -23,12 +23,12 @@ double ImplicitViscosity::sum_over_particles(int n, Body&& body) {
 }
 
 void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& neighbors,
-                              const MirrorPlanes& mirror, const Plates& plates, double t,
+                              const MirrorPlanes& mirror, const Bodies& bodies,
                               double kick, const Vec3& g, std::size_t identities, Particles& particles) {
     Particles& s = particles;
     const int n = static_cast<int>(s.size());
     if (n == 0 || !(kick > 0)) return;
-    operator_.prepare(physics, neighbors, mirror, plates, t, s);
+    operator_.prepare(physics, neighbors, mirror, bodies, s);
     before_.resize(3 * identities, 0.0f);
     for (Field3* f : {&guess_, &change_, &residual_, &direction_, &image_}) f->resize(n);
     const float* m = operator_.mass().data();

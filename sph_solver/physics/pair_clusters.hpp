@@ -65,31 +65,38 @@ inline void look_up(const Mixture<float>& mixture, const Packed* records, const 
     }
 }
 
-/// What the images behind no-slip planes add to viscous forces and shear rate, see no_slip_images.hpp.
+/// What an image behind a no-slip plane adds to viscous forces and shear rate, see no_slip_images.hpp.
+template <class KernelLaw, Content content>
+inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
+                              const NoSlipImages::Change& v, const Packed& j,
+                              const Meeting<float8>* with, float mu_j, PairSums<float8>& sum,
+                              ShearSums<float8>* shear = nullptr) {
+    const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+    const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
+    const float8 F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
+    float8 FV = F;
+    if constexpr (content == Content::several)
+        FV *= with[FluidTag::of(j)].mu;
+    else if constexpr (content != Content::one_fluid)
+        FV *= harmonic_mean(i.own.mu, mu_j);
+    sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
+    if constexpr (content == Content::sheared) {
+        const float8 Fx = F * dx, Fy = F * dy, Fz = F * dz;
+        shear->vxx -= v.x * Fx, shear->vxy -= v.x * Fy, shear->vxz -= v.x * Fz;
+        shear->vyx -= v.y * Fx, shear->vyy -= v.y * Fy, shear->vyz -= v.y * Fz;
+        shear->vzx -= v.z * Fx, shear->vzy -= v.z * Fy, shear->vzz -= v.z * Fz;
+    }
+}
+
 template <class KernelLaw, Content content>
 inline void add_no_slip(const PairConstants<float>& c, const Lanes& i, const NoSlipImages& no_slip,
                         const Packed* records, int cluster, const Meeting<float8>* with,
                         const float* mu, PairSums<float8>& sum,
                         ShearSums<float8>* shear = nullptr) {
-    for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
-        const Packed& j = records[at->record];
-        const NoSlipImages::Change& v = no_slip.change(at->image);
-        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
-        const float8 F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
-        float8 FV = F;
-        if constexpr (content == Content::several)
-            FV *= with[FluidTag::of(j)].mu;
-        else if constexpr (content != Content::one_fluid)
-            FV *= harmonic_mean(i.own.mu, mu[at->record]);
-        sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
-        if constexpr (content == Content::sheared) {
-            const float8 Fx = F * dx, Fy = F * dy, Fz = F * dz;
-            shear->vxx -= v.x * Fx, shear->vxy -= v.x * Fy, shear->vxz -= v.x * Fz;
-            shear->vyx -= v.y * Fx, shear->vyy -= v.y * Fy, shear->vyz -= v.y * Fz;
-            shear->vzx -= v.z * Fx, shear->vzy -= v.z * Fy, shear->vzz -= v.z * Fz;
-        }
-    }
+    constexpr bool variable = content == Content::viscoplastic || content == Content::sheared;
+    for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
+        add_no_slip_image<KernelLaw, content>(c, i, no_slip.change(at->image), records[at->record],
+                                              with, variable ? mu[at->record] : 0.0f, sum, shear);
 }
 
 /// What the sums of a cluster must contain, from what it holds and meets.

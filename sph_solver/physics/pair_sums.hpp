@@ -51,9 +51,4 @@ struct ReferenceSums {
 ReferenceSums sum_over_neighbors_reference(const PairPhysics& physics,
                                            const Neighborhood& neighbors);
 
-/// Normal force of each fluid on each mirror plane, positive against the fluid's side, from the pairs
-/// of particles with images: -sum_i m_i a_i . n_k.  [N], [planes, fluids]
-std::vector<double> plane_forces(const PairPhysics& physics, const Neighborhood& neighbors,
-                                 const MirrorPlanes& mirror);
-
 }  // namespace undertow::sph

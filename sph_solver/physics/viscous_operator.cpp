@@ -87,7 +87,7 @@ double pair_scale(const PairPhysics& p) {
 }  // namespace
 
 void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& neighbors,
-                              const MirrorPlanes& mirror, const Plates& plates, double t,
+                              const MirrorPlanes& mirror, const Bodies& bodies,
                               const Particles& particles) {
     physics_ = &physics, neighbors_ = &neighbors, mirror_ = &mirror;
     records_ = neighbors.records();
@@ -103,7 +103,7 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
         Packed& q = records_[j];
         const bool extra = j >= n;
         const Extra* e = extra ? &extras[j - n] : nullptr;
-        const std::uint8_t own = extra ? (e->from_plate ? plates.fluid[e->source]
+        const std::uint8_t own = extra ? (e->from_body ? bodies.fluid[e->source]
                                                         : particles.fluid[e->source])
                                        : particles.fluid[j];
         const FluidLaw& fluid = physics.fluids[own];
@@ -111,19 +111,20 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
             q.p = static_cast<float>(fluid.mu);
         else
             q.p = !extra ? viscosity[j]
-                  : e->from_plate ? plates.viscosity[e->source]
+                  : e->from_body ? bodies.viscosity[e->source]
                                      : viscosity[e->source];
         if (!extra) {
             mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
             continue;
         }
         ViscousImage& image = image_[j - n];
-        image = ViscousImage(mirror, e->mask, !e->from_plate && fluid.resolves_walls);
-        if (!e->from_plate) continue;
-        const int owner = plates.plate[e->source];
+        image = ViscousImage(mirror, e->mask, !e->from_body && fluid.resolves_walls);
+        if (!e->from_body) continue;
+        const int d = e->source;
+        const RigidBody& body = bodies.body[bodies.owner[d]];
         // u_i - (2 v_w - u_i): twice the weight against the wall's velocity
-        q.volume *= plates.walls[owner].slip == Slip::no_slip ? 2.0f : 0.0f;
-        const Vec3 v = plates.velocity(owner, t);
+        q.volume *= body.body().slip == Slip::no_slip ? 2.0f : 0.0f;
+        const Vec3 v = body.pose().velocity_at({bodies.x[d], bodies.y[d], bodies.z[d]});
         for (int a = 0; a < 3; ++a) image.wall[a] = static_cast<float>(v[a]);
     }
 }
@@ -142,7 +143,7 @@ void ViscousOperator::pack(const Field3& u, Walls walls) {
         const Extra& e = extras[j - n];
         const ViscousImage& image = image_[j - n];
         q.vx = moving * image.wall[0], q.vy = moving * image.wall[1], q.vz = moving * image.wall[2];
-        if (e.from_plate) continue;
+        if (e.from_body) continue;
         const auto& m = mirror_->reflection(image.mirrored).m;
         const float s = image.sign, x = u.x[e.source], y = u.y[e.source], z = u.z[e.source];
         q.vx += s * (float(m[0][0]) * x + float(m[0][1]) * y + float(m[0][2]) * z);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sph_solver/boundary/no_slip_images.hpp"
-#include "sph_solver/boundary/plates.hpp"
+#include "sph_solver/boundary/bodies.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
 #include "sph_solver/simd.hpp"
 
@@ -29,10 +29,10 @@ struct Field3 {
 /// of threads.
 class ViscousOperator {
  public:
-    /// Takes positions and viscosities as packed for this step. Free-slip plates carry no stress, a
-    /// no-slip plate's dummy shows 2 v_wall - u_i.
+    /// Takes positions and viscosities as packed for this step. Free-slip bodies carry no stress, a
+    /// no-slip body's dummy shows 2 v_wall - u_i.
     void prepare(const PairPhysics& physics, const Neighborhood& neighbors,
-                 const MirrorPlanes& mirror, const Plates& plates, double t,
+                 const MirrorPlanes& mirror, const Bodies& bodies,
                  const Particles& particles);
 
     enum class Walls { moving, still };   // with their velocities; or the linear part alone

@@ -22,55 +22,6 @@ bool in_polygon(const std::vector<std::array<double, 2>>& corner, double x, doub
     return inside;
 }
 
-/// Signed distance of x to an obstacle, negative inside, and the direction away from it.   [m]
-double distance_to_box(const Box& box, const Vec3& x, bool flat, Vec3& away) {
-    Vec3 beyond{};   // of the box, per axis; 0 between its faces
-    double outside2 = 0, nearest_face = -1e300;
-    int nearest_axis = 0, side = 1;
-    for (int a = 0; a < 3; ++a) {
-        if (flat && a == 1) continue;
-        const double low = box.min[a] - x[a], high = x[a] - box.max[a];
-        beyond[a] = high > 0 ? high : low > 0 ? -low : 0;
-        outside2 += beyond[a] * beyond[a];
-        if (std::max(low, high) > nearest_face)
-            nearest_face = std::max(low, high), nearest_axis = a, side = high > low ? 1 : -1;
-    }
-    if (outside2 == 0) {
-        away = {};
-        away[nearest_axis] = side;
-        return nearest_face;
-    }
-    const double d = std::sqrt(outside2);
-    for (int a = 0; a < 3; ++a) away[a] = beyond[a] / d;
-    return d;
-}
-
-double distance_to_cylinder(const Obstacle& o, const Vec3& x, Vec3& away) {
-    Vec3 axis, from_middle;
-    for (int a = 0; a < 3; ++a) {
-        axis[a] = o.to[a] - o.from[a];
-        from_middle[a] = x[a] - 0.5 * (o.from[a] + o.to[a]);
-    }
-    const double length = std::hypot(axis[0], axis[1], axis[2]);
-    double along = 0;
-    for (int a = 0; a < 3; ++a) axis[a] /= length, along += axis[a] * from_middle[a];
-    Vec3 radial;
-    for (int a = 0; a < 3; ++a) radial[a] = from_middle[a] - along * axis[a];
-    const double r = std::hypot(radial[0], radial[1], radial[2]);
-    if (r > 0)
-        for (double& c : radial) c /= r;
-    const double over_end = std::abs(along) - 0.5 * length, over_side = r - o.radius;
-    const double sign = along < 0 ? -1 : 1;
-    if (over_end > 0 && over_side > 0) {   // off the rim
-        const double d = std::hypot(over_end, over_side);
-        for (int a = 0; a < 3; ++a)
-            away[a] = (over_end * sign * axis[a] + over_side * radial[a]) / d;
-        return d;
-    }
-    for (int a = 0; a < 3; ++a) away[a] = over_end > over_side ? sign * axis[a] : radial[a];
-    return std::max(over_end, over_side);
-}
-
 }  // namespace
 
 Vec3 ramp_distance(const Fill& fill) {
@@ -88,6 +39,10 @@ Vec3 start_velocity(const Fill& fill, const Vec3& x) {
 }
 
 FillPlan::FillPlan(const Case& input) : sph_(input.sph), flat_(input.info.dimension == 2) {
+    for (const Obstacle& o : sph_.obstacle)
+        obstacle_.emplace_back(o.shape, flat_, input.folder,
+                               fmt::format("{}: sph.obstacle \"{}\"", input.file, o.name));
+    for (const Body& b : sph_.body) body_.emplace_back(b, input);
     for (const Fill& fill : sph_.fill) {
         behind_.push_back(ramp_distance(fill));
         const auto named = std::find_if(sph_.fluid.begin(), sph_.fluid.end(),
@@ -96,7 +51,37 @@ FillPlan::FillPlan(const Case& input) : sph_(input.sph), flat_(input.info.dimens
             throw InputError(fmt::format("{}: sph.fill: there is no sph.fluid \"{}\".", input.file,
                                          fill.fluid));
         fluid_.push_back(static_cast<int>(named - sph_.fluid.begin()));
+        within_.push_back(cells_within(fill, input, within_.size()));
     }
+}
+
+FillPlan::Cells FillPlan::cells_within(const Fill& fill, const Case& input, std::size_t k) const {
+    Cells cells;
+    if (fill.within.radius == 0 && fill.within.stl.empty()) return cells;
+    const Solid solid(fill.within, flat_, input.folder,
+                      fmt::format("{}: sph.fill[{}]", input.file, k));
+    for (int a = 0; a < 3; ++a)
+        cells.n[a] = flat_ && a == 1
+                         ? 1
+                         : static_cast<int>(
+                               std::lround((fill.box.max[a] - fill.box.min[a]) / sph_.spacing));
+    for (int iz = 0; iz < cells.n[2]; ++iz)
+        for (int iy = 0; iy < cells.n[1]; ++iy)
+            for (int ix = 0; ix < cells.n[0]; ++ix) {
+                Vec3 x = fill.box.min;
+                x[0] += (ix + 0.5) * sph_.spacing, x[2] += (iz + 0.5) * sph_.spacing;
+                x[1] = flat_ ? 0 : x[1] + (iy + 0.5) * sph_.spacing;
+                cells.inside.push_back(solid(x).distance < 0);
+            }
+    return cells;
+}
+
+bool FillPlan::in_body(const Vec3& x) const {
+    for (const Solid& o : obstacle_)
+        if (o(x).distance < 0) return true;
+    for (const RigidBody& b : body_)
+        if (b.now(x, {}).distance < 0) return true;
+    return false;
 }
 
 bool FillPlan::contains(int k, const Vec3& at) const {
@@ -106,6 +91,15 @@ bool FillPlan::contains(int k, const Vec3& at) const {
         x[a] = at[a] + behind_[k][a];
         if (flat_ && a == 1) continue;
         if (x[a] < fill.box.min[a] || x[a] > fill.box.max[a]) return false;
+    }
+    if (const Cells& cells = within_[k]; !cells.inside.empty()) {
+        int cell[3];
+        for (int a = 0; a < 3; ++a) {
+            const double at_cell = (x[a] - fill.box.min[a]) / sph_.spacing;
+            cell[a] = flat_ && a == 1 ? 0 : std::clamp(static_cast<int>(at_cell), 0, cells.n[a] - 1);
+        }
+        if (!cells.inside[(std::size_t(cell[2]) * cells.n[1] + cell[1]) * cells.n[0] + cell[0]])
+            return false;
     }
     // cell centers often lie exactly on a 45 degree face: a hair aside, all fall on the same side
     const double hair = 1e-6 * sph_.spacing;
@@ -120,14 +114,17 @@ int FillPlan::owner(const Vec3& x) const {
 
 bool FillPlan::clear_obstacles(Vec3& x) const {
     const double clearance = 0.5 * sph_.spacing;
-    for (const Obstacle& o : sph_.obstacle) {
-        Vec3 away;
-        const double d = o.box ? distance_to_box(*o.box, x, flat_, away)
-                               : distance_to_cylinder(o, x, away);
+    const auto clear = [&](const FromSurface& from) {
+        const double d = from.distance;
         if (d < 0) return false;
-        if (d >= clearance * (1 - 1e-9)) continue;
-        for (int a = 0; a < 3; ++a) x[a] += (clearance - d) * away[a];
-    }
+        if (d < clearance * (1 - 1e-9))
+            for (int a = 0; a < 3; ++a) x[a] += (clearance - d) * from.away[a];
+        return true;
+    };
+    for (const Solid& o : obstacle_)
+        if (!clear(o(x))) return false;
+    for (const RigidBody& b : body_)
+        if (!clear(b.now(x, {}))) return false;
     return true;
 }
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "sph_solver/boundary/bodies.hpp"
+#include "sph_solver/shapes/solid.hpp"
 
 namespace undertow::sph {
 
@@ -23,10 +25,13 @@ class FillPlan {
     /// -1 if there is none. y does not count in 2D.
     int owner(const Vec3& x) const;
 
-    /// Moves a particle that lies in an obstacle's skin, nearer than half a spacing, out to half a
+    /// Moves a particle that lies in the skin of an obstacle or a body, nearer than half a spacing, out to half a
     /// spacing. False if its center is inside: then there is no particle. Taking centers instead of
     /// whole cells keeps the volume around a curved body right in the mean.
     bool clear_obstacles(Vec3& x) const;
+
+    /// Inside an obstacle or in the material of a body.
+    bool in_body(const Vec3& x) const;
 
     /// Pressure at x under everything that lies above it in its column [Pa]. density: [kg/m3] of
     /// each fluid at zero pressure, in the order of [[sph.fluid]]; g: [m/s2] downward.
@@ -37,10 +42,20 @@ class FillPlan {
  private:
     bool contains(int fill, const Vec3& x) const;
 
+    /// Which cells of a fill's box have their middle in its cylinder or STL file.
+    struct Cells {
+        int n[3] = {0, 0, 0};
+        std::vector<bool> inside;   // [n], empty where the fill has no such shape
+    };
+    Cells cells_within(const Fill& fill, const Case& input, std::size_t k) const;
+
     const SphSettings& sph_;
     bool flat_;
     std::vector<Vec3> behind_;    // [m] ramp_distance of each fill
     std::vector<int> fluid_;
+    std::vector<Cells> within_;   // [fills]
+    std::vector<Solid> obstacle_;
+    std::vector<RigidBody> body_;
 };
 
 }  // namespace undertow::sph

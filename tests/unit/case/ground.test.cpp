@@ -25,7 +25,7 @@ sph.obstacle = [{ name = "pile", from = [0.5, 0.5, 0], to = [0.5, 0.5, 1], radiu
     CHECK(c.sph.fill[1].profile.size() == 3);
     CHECK(c.sph.fill[1].profile[1][0] == 1);
     CHECK(c.sph.fill[1].ramp == 0.2);
-    CHECK(c.sph.obstacle[0].radius == 0.2);
+    CHECK(c.sph.obstacle[0].shape.radius == 0.2);
 }
 
 TEST_CASE("soil, static water, a rigid body and the contact between them are read") {
@@ -79,4 +79,27 @@ TEST_CASE("mistakes in a scene on soil are named with their place") {
                Catch::Contains("three corners"));
     CHECK_THAT(mistake(plate + "[[sph.obstacle]]\nname = \"pile\"\nradius = 1\n"),
                Catch::Contains("from"));
+}
+
+TEST_CASE("mistakes in bodies and gauges are told") {
+    const std::string body = plate + "[[sph.body]]\nname = \"b\"\n";
+    CHECK_THAT(mistake(body), Catch::Contains("has no box") && Catch::Contains("an stl file"));
+    CHECK_THAT(mistake(body + "stl = \"a.stl\"\nradius = 1\nfrom = [0,0,0]\nto = [1,0,0]\n"),
+               Catch::Contains("one shape too many"));
+    const std::string box = body + "box = { min = [0,0,0], max = [1,1,1] }\n";
+    CHECK(mistake(box).empty());
+    CHECK_THAT(mistake(box + "slip = \"friction\"\n"), Catch::Contains("needs friction"));
+    CHECK_THAT(mistake(box + "velocity = [1,0,0]\nmotion = \"a.csv\"\n"),
+               Catch::Contains("one law too many"));
+    CHECK_THAT(mistake(box + "displacement = [1, 0, 0]\n"), Catch::Contains("does not move"));
+    CHECK_THAT(mistake(box + "axis = [0, 1, 0]\n"), Catch::Contains("give angle"));
+    CHECK_THAT(mistake(plate + "[[sph.plate]]\nname = \"b\"\n"), Catch::Contains("[[sph.body]]"));
+    const std::string gauge = plate + "[[sph.gauge]]\nname = \"q\"\n";
+    CHECK_THAT(mistake(gauge + "kind = \"force\"\nwall = \"flor\"\n"),
+               Catch::Contains("did you mean \"floor\""));
+    CHECK_THAT(mistake(gauge + "kind = \"flux\"\nbox = { min = [0,0,0], max = [1,1,1] }\n"),
+               Catch::Contains("is not a rectangle"));
+    CHECK_THAT(mistake(gauge + "kind = \"flux\"\nbox = { min = [0,0,0], max = [0,1,1] }\n"
+                               "direction = [0, 1, 0]\n"),
+               Catch::Contains("does not fit"));
 }

@@ -42,7 +42,7 @@ sph.fill = [{ fluid = "oil", box = { min = [0, 0, 1], max = [1, 1, 2] } }]
 name = "wall"
 point = [1, 0, 0]
 normal = [-1, 0, 0]
-[[variant.gate.append.sph.plate]]
+[[variant.gate.append.sph.body]]
 name = "gate"
 box = { min = [0, 0, 0], max = [0.1, 1, 1] }
 )";
@@ -50,7 +50,7 @@ box = { min = [0, 0, 0], max = [0.1, 1, 1] }
     REQUIRE(walled.sph.plane.size() == 2);
     CHECK(walled.sph.plane[0].name == "floor");
     CHECK(walled.sph.plane[1].name == "wall");
-    CHECK(walled.sph.plate.size() == 1);  // append to an array the base does not have
+    CHECK(walled.sph.body.size() == 1);  // append to an array the base does not have
     CHECK(walled.sph.spacing == 0.1);     // the rest of [sph] stays
 
     // The water is gone, so the base's fill of water is now a mistake, told at its place.

@@ -54,23 +54,23 @@ TEST_CASE("a particle behind a wall is put back with its approach reversed") {
     CHECK_FALSE(floor.put_back(x, y, z, vx, vy, vz));
 }
 
-TEST_CASE("a plate shows the hydrostatic pressure of the water beside it") {
+TEST_CASE("a body shows the hydrostatic pressure of the water beside it") {
     Case input = scenes::water_box(0.01, {0.1, 0.1, 0.2});
     scenes::add_basin(input, {0.1, 0.1, 0.2});
-    input.sph.plane.erase(input.sph.plane.begin() + 2);   // "right" becomes a plate
-    PlateWall gate;
+    input.sph.plane.erase(input.sph.plane.begin() + 2);   // "right" becomes a body
+    Body gate;
     gate.name = "gate";
-    gate.box = {{0.1, 0, 0}, {0.13, 0.1, 0.2}};
-    input.sph.plate = {gate};
+    gate.shape.box = Box{{0.1, 0, 0}, {0.13, 0.1, 0.2}};
+    input.sph.body = {gate};
     FluidSystem fluid(input, 0.2);
     fluid.refresh_neighbors(0);
     fluid.pack(0);
     int checked = 0;
-    for (int d = 0; d < fluid.plates.size(); ++d)
-        if (fluid.plates.x[d] < 0.11 && fluid.plates.z[d] < 0.17) {
-            const double exact = 1000 * 9.81 * (0.2 - fluid.plates.z[d]);
+    for (int d = 0; d < fluid.bodies.size(); ++d)
+        if (fluid.bodies.x[d] < 0.11 && fluid.bodies.z[d] < 0.17) {
+            const double exact = 1000 * 9.81 * (0.2 - fluid.bodies.z[d]);
             // the extrapolation is exact for a linear field; the water's own pressure is linear
-            CHECK(fluid.plates.p[d] == Approx(exact).epsilon(1e-3));
+            CHECK(fluid.bodies.p[d] == Approx(exact).epsilon(1e-3));
             ++checked;
         }
     CHECK(checked == 170);

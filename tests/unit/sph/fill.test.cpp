@@ -92,7 +92,7 @@ TEST_CASE("fills leave a cylinder free: nobody nearer than half a spacing, volum
     Case c = scene();
     c.sph.spacing = 0.0625;
     c.sph.fill.pop_back();
-    c.sph.obstacle = {{.name = "pile", .from = {2.01, 0.5, -1}, .to = {2.01, 0.5, 1}, .radius = 0.4}};
+    c.sph.obstacle = {{.name = "pile", .shape = {.from = {2.01, 0.5, -1}, .to = {2.01, 0.5, 1}, .radius = 0.4}}};
     const Filled f = fill_particles(c, laws(c));
     for (std::size_t i = 0; i < f.particles.size(); ++i) {
         const double r = std::hypot(f.particles.x[i] - 2.01, f.particles.y[i] - 0.5);
@@ -106,7 +106,7 @@ TEST_CASE("fills leave a cylinder free: nobody nearer than half a spacing, volum
 TEST_CASE("fills leave a box free") {
     Case c = scene();
     c.sph.fill.pop_back();
-    c.sph.obstacle = {{.name = "block", .box = Box{{1, 0, 0}, {2, 1, 1}}}};
+    c.sph.obstacle = {{.name = "block", .shape = {.box = Box{{1, 0, 0}, {2, 1, 1}}}}};
     const Filled f = fill_particles(c, laws(c));
     CHECK(f.particles.size() == 4096 - 8 * 8 * 8);
 }

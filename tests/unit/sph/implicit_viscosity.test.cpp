@@ -116,7 +116,7 @@ TEST_CASE("the implicit update conserves momentum to round-off, however loose it
     const int dimension = GENERATE(2, 3);
     const ViscousForm form = GENERATE(ViscousForm::laplacian, ViscousForm::strain);
     FluidSystem fluid = stiff_drop(dimension, form, 0.1);
-    fluid.take_viscosity(0, 1e-4, 1e-4);
+    fluid.take_viscosity(1e-4, 1e-4);
     const Particles& p = fluid.particles;
     double sum[3] = {0, 0, 0}, size = 0;
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -133,7 +133,7 @@ TEST_CASE("the implicit update has the same bits for one thread and for two") {
     for (int k = 0; k < 2; ++k) {
         omp_set_num_threads(k + 1);
         FluidSystem fluid = stiff_drop(3, ViscousForm::strain, 1e-4);
-        fluid.take_viscosity(0, 1e-4, 1e-4);
+        fluid.take_viscosity(1e-4, 1e-4);
         found[k] = fluid.particles.ax;
     }
     CHECK(found[0] == found[1]);

@@ -191,18 +191,18 @@ TEST_CASE("images and dummies are of the fluid they stand for") {
     const Vec3 size{0.1, 0.1, 0.2};
     Case input = scenes::two_layers(0.01, size, 0.1, true);
     scenes::add_basin(input, size);
-    input.sph.plane.erase(input.sph.plane.begin() + 2);  // "right" becomes a plate
-    PlateWall gate;
+    input.sph.plane.erase(input.sph.plane.begin() + 2);  // "right" becomes a body
+    Body gate;
     gate.name = "gate";
-    gate.box = {{0.1, 0, 0}, {0.13, 0.1, 0.2}};
-    input.sph.plate = {gate};
+    gate.shape.box = Box{{0.1, 0, 0}, {0.13, 0.1, 0.2}};
+    input.sph.body = {gate};
     FluidSystem fluid(input, 0.2);
     fluid.refresh_neighbors(0);
     fluid.pack(0);
     const Neighborhood& near = fluid.neighbors();
     for (std::size_t e = 0; e < near.extras().size(); ++e) {
         const Extra& extra = near.extras()[e];
-        if (extra.from_plate) continue;
+        if (extra.from_body) continue;
         const Packed& image = near.records()[near.first_extra() + e];
         REQUIRE(FluidTag::of(image) == fluid.particles.fluid[extra.source]);
         REQUIRE(near.viscosity()[near.first_extra() + e] ==
@@ -210,14 +210,14 @@ TEST_CASE("images and dummies are of the fluid they stand for") {
     }
     const double g = 9.81;
     int checked = 0;
-    for (int d = 0; d < fluid.plates.size(); ++d) {
-        const double z = fluid.plates.z[d];
+    for (int d = 0; d < fluid.bodies.size(); ++d) {
+        const double z = fluid.bodies.z[d];
         // a kernel's reach from the interface and from the surface
-        if (fluid.plates.x[d] > 0.11 || z > 0.17 || std::abs(z - 0.1) < 0.024) continue;
+        if (fluid.bodies.x[d] > 0.11 || z > 0.17 || std::abs(z - 0.1) < 0.024) continue;
         const double exact = z > 0.1 ? 1000 * g * (0.2 - z) : g * (1000 * 0.1 + 1681 * (0.1 - z));
-        CHECK(fluid.plates.p[d] == Approx(exact).epsilon(2e-3));
-        CHECK(fluid.plates.fluid[d] == (z < 0.1 ? 1 : 0));
-        CHECK(fluid.plates.viscosity[d] ==
+        CHECK(fluid.bodies.p[d] == Approx(exact).epsilon(2e-3));
+        CHECK(fluid.bodies.fluid[d] == (z < 0.1 ? 1 : 0));
+        CHECK(fluid.bodies.viscosity[d] ==
               Approx(z < 0.1 ? fluid.fluid(1).viscosity_at_rest() : 1e-3));
         ++checked;
     }
@@ -231,16 +231,16 @@ TEST_CASE("the planes carry the weight of each fluid") {
     FluidSystem fluid(input, 0.2);
     fluid.refresh_neighbors(0);
     fluid.pack(0);
-    const auto force = plane_forces(fluid.physics(), fluid.neighbors(), fluid.mirror());
+    const auto force = fluid.wall_forces();
     REQUIRE(force.size() == 10);
     const double g = 9.81, area = 0.01;
     // floor: all rests on the lower fluid; the pair sum at a mirror is the pressure of the first
     // layer
-    CHECK(force[0] == 0);
-    CHECK(force[1] == Approx(area * g * 0.1 * (1000 + 1681)).epsilon(0.02));
+    CHECK(force[0][2] == 0);
+    CHECK(-force[1][2] == Approx(area * g * 0.1 * (1000 + 1681)).epsilon(0.02));
     // side: mean pressure of each layer's half of it
-    CHECK(force[2] == Approx(area * g * 1000 * 0.05).epsilon(0.05));
-    CHECK(force[3] == Approx(area * g * (1000 * 0.1 + 1681 * 0.05)).epsilon(0.02));
+    CHECK(-force[2][0] == Approx(area * g * 1000 * 0.05).epsilon(0.05));
+    CHECK(-force[3][0] == Approx(area * g * (1000 * 0.1 + 1681 * 0.05)).epsilon(0.02));
 }
 
 TEST_CASE("what leaves the domain is counted by fluid") {

@@ -115,18 +115,13 @@ double error_of_worn_lists(FluidSystem& fluid, const Case& input, double t) {
 }  // namespace
 
 TEST_CASE("lists hold every pair and image until they are rebuilt, whatever the flow") {
-    // a stream that shears, thins out and runs against a dry wall behind a moving plate
+    // a stream that shears, thins out and runs against a dry wall
     const int dimension = GENERATE(2, 3);
     Case input = scenes::water_box(0.01, {0.20, 0.06, 0.08}, dimension);
     scenes::add_basin(input, {0.30, 0.06, 0.30});
     input.sph.max_speed = 3;
     input.sph.artificial_viscosity = 0;   // its reciprocal is good to 6e-5 only
     input.sph.tension_control = TensionControl::none;   // who is spray is decided at a rebuild
-    PlateWall plate;
-    plate.name = "gate";
-    plate.box = {{0.22, 0, 0.02}, {0.24, 0.06, 0.1}};
-    plate.velocity = {0.3, 0, 1};
-    input.sph.plate = {plate};
     FluidSystem fluid(input, 0.2);
     scenes::disturb(fluid, 0.2, 0.1, 0);
     for (std::size_t i = 0; i < fluid.particles.size(); ++i)

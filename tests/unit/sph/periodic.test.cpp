@@ -179,21 +179,21 @@ TEST_CASE("a periodic flow has the same bits with one thread and with two") {
 TEST_CASE("a plate moves along a periodic axis for good") {
     Case input = periodic_box(0.01, {0.16, 0, 0.1}, {"x"}, 2);
     input.sph.domain->max[2] = 0.2;
-    PlateWall lid;
+    Body lid;
     lid.name = "lid";
-    lid.box = {{0, 0, 0.1}, {0.16, 0, 0.13}};
+    lid.shape.box = {{0, 0, 0.1}, {0.16, 0, 0.13}};
     lid.velocity = {1, 0, 0};
     lid.slip = Slip::no_slip;
-    input.sph.plate = {lid};
+    input.sph.body = {lid};
     FluidSystem fluid(input, 0.4);
     double t = 0, before = 0;
     for (int n = 0; n < 400; ++n) {  // a quarter of a period beyond the end
         scenes::two_pass_step(fluid, t, 5e-4, before);
         before = 5e-4;
         double low = 1e300, high = -1e300;
-        for (int d = 0; d < fluid.plates.size(); ++d) {
-            low = std::min(low, fluid.plates.x[d]);
-            high = std::max(high, fluid.plates.x[d]);
+        for (int d = 0; d < fluid.bodies.size(); ++d) {
+            low = std::min(low, fluid.bodies.x[d]);
+            high = std::max(high, fluid.bodies.x[d]);
         }
         REQUIRE(high - low < 0.1601);
         REQUIRE(high < 0.16 + 0.005);

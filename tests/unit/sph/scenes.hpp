@@ -86,7 +86,7 @@ inline Health two_pass_step(FluidSystem& fluid, double& t, double dt, double dt_
     fluid.pack(t);
     fluid.sum_over_neighbors(Terms::force);
     fluid.add_wall_friction();
-    fluid.take_viscosity(t, dt, dt_before);
+    fluid.take_viscosity(dt, dt_before);
     fluid.constrain_ends(t, dt, dt_before);
     const Health health = fluid.kick_and_drift(dt, dt_before, 0, false);
     t += dt;

@@ -1,0 +1,69 @@
+#pragma once
+// How a rigid body moves: by a constant velocity, by formulas, or by a table.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "case/case.hpp"
+
+namespace undertow::sph {
+
+/// Where a body is and how it moves. Turns are about `center`, which moves along.
+struct Pose {
+    Vec3 shift{};  // from the place at rest [m]
+    double turn[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    bool turned = false;              // false: `turn` is exactly one
+    Vec3 velocity{}, acceleration{};  // of the center [m/s], [m/s2]
+    Vec3 spin{}, spin_rate{};         // [rad/s], [rad/s2]
+    Vec3 center{};                    // at rest [m]
+
+    Vec3 to_space(const Vec3& at_rest) const;
+    Vec3 to_rest(const Vec3& x) const;
+    /// A direction given at rest.
+    Vec3 direction(const Vec3& at_rest) const;
+    Vec3 direction_at_rest(const Vec3& now) const;
+    /// Of the body's point at x [m], and its acceleration, centripetal part included.
+    Vec3 velocity_at(const Vec3& x) const;
+    Vec3 acceleration_at(const Vec3& x) const;
+};
+
+/// A table of positions as a cubic spline: acceleration is continuous, so that walls do not knock.
+/// Before the first and after the last row the position stays. An end that is reached within the
+/// run is met at rest; an end at t <= 0 or beyond the run is left open (natural).
+class MotionTable {
+ public:
+    static constexpr int channels = 4;  // x, y, z [m], angle [rad]
+
+    /// CSV: t [s], x, y, z and, if the body turns, angle; lines that begin with '#' or with a
+    /// letter are skipped. InputError: not numbers, too few rows, t does not rise.
+    MotionTable(const std::string& path, double t_end, const std::string& where);
+
+    struct Value {
+        double x, rate, second_rate;
+    };
+    Value operator()(int channel, double t) const;
+
+ private:
+    void find_curvature(int channel, bool rest_first, bool rest_last);
+
+    std::vector<double> t_;                                    // [s]
+    std::array<std::vector<double>, channels> x_, curvature_;  // and second derivative
+};
+
+class RigidMotion {
+ public:
+    RigidMotion(const Body& body, const Case& input);
+
+    Pose operator()(double t) const;
+    bool moves() const { return moves_; }
+
+ private:
+    Body law_;
+    std::optional<MotionTable> table_;
+    double step_;  // [s] of the differences that give a formula's rates
+    bool moves_;
+};
+
+}  // namespace undertow::sph

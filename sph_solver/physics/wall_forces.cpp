@@ -1,0 +1,185 @@
+// What the fluids press on rigid walls, from the same pair terms as the sums.
+
+#include "sph_solver/physics/wall_forces.hpp"
+
+#include <vector>
+
+#include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/pair_clusters.hpp"
+
+namespace undertow::sph {
+
+namespace {
+
+/// The sum over the images of one mask, or over one body's dummies and their images of one mask.
+struct OfWall {
+    PlaneMask mask;
+    int body;  // -1 = images of the fluid
+    PairSums<float8> sum;
+};
+
+/// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
+template <class KernelLaw, Content content, class OfOwn, class F>
+void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
+                   const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
+                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f) {
+    constexpr bool variable = content == Content::viscoplastic;
+    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const Packed* records = neighbors.records().data();
+    const ClusterLists& lists = neighbors.fluid_lists();
+    const int n = neighbors.fluid_count();
+    for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) {
+        const Extra& extra = neighbors.extras()[*at - n];
+        if ((extra.mask & planes) == 0 && !extra.from_body) continue;  // by translation only
+        const Packed& j = records[*at];
+        const int body = extra.from_body ? bodies.owner[extra.source] : -1;
+        std::size_t m = 0;
+        while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
+        if (m == met.size()) met.push_back({extra.mask, body, {}});
+        add_pair<KernelLaw, Terms::force, content>(
+            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
+            with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f);
+    }
+    for (const OfWall& of : met) {
+        const float8 per_rho = i.volume * k.per_mass;
+        float8 ax, ay, az;
+        acceleration(k, per_rho, of.sum, ax, ay, az);
+        f(of.mask, of.body, ax, ay, az);
+    }
+    met.clear();
+}
+
+/// Calls f(mask, ax, ay, az) with what the eight feel of images behind no-slip planes beyond that
+/// of free-slip ones: the walls' shear.
+template <class KernelLaw, Content content, class OfOwn, class F>
+void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
+                    const Meeting<float8>* with, const Neighborhood& neighbors,
+                    const NoSlipImages& no_slip, int cluster, std::vector<OfWall>& met, F&& f) {
+    if (no_slip.empty()) return;
+    constexpr bool variable = content == Content::viscoplastic;
+    for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
+        const PlaneMask mask = neighbors.extras()[at->record - neighbors.fluid_count()].mask;
+        std::size_t m = 0;
+        while (m < met.size() && met[m].mask != mask) ++m;
+        if (m == met.size()) met.push_back({mask, -1, {}});
+        add_no_slip_image<KernelLaw, content>(
+            c, i, no_slip.change(at->image), neighbors.records()[at->record], with,
+            variable ? neighbors.viscosity()[at->record] : 0.0f, met[m].sum);
+    }
+    for (const OfWall& of : met) {
+        const float8 per_rho = i.volume * k.per_mass;
+        float8 ax, ay, az;
+        acceleration(k, per_rho, of.sum, ax, ay, az);
+        f(of.mask, ax, ay, az);
+    }
+    met.clear();
+}
+
+template <class KernelLaw>
+std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
+                                 const Neighborhood& neighbors, const MirrorPlanes& mirror,
+                                 const Bodies& bodies, const NoSlipImages& no_slip) {
+    const double unit = neighbors.fixed().unit;
+    const FluidLaw& first_fluid = physics.fluids[0];
+    const auto c = pair_constants<float>(physics, first_fluid, unit);
+    const auto k = factors<float>(physics, first_fluid, kernel.scale(), unit);
+    const Mixture<float> mixture(physics, kernel.scale(), unit);
+    const bool mixed = physics.mixed(), variable = physics.viscoplastic();
+    const Packed* records = neighbors.records().data();
+    const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
+    const std::size_t planes = mirror.size(), fluids = physics.fluids.size();
+    const PlaneMask any_plane = (PlaneMask(1) << planes) - 1;
+    const std::size_t all = (planes + bodies.count()) * fluids;
+    // per cluster first, then summed in order: the same bits for any number of threads
+    std::vector<Vec3> part(clusters * all, Vec3{});
+
+#pragma omp parallel
+    {
+        std::vector<OfWall> met;
+#pragma omp for schedule(dynamic, 32)
+        for (int cluster = 0; cluster < clusters; ++cluster) {
+            const int first = cluster * lanes, members = std::min(lanes, n - first);
+            Lanes i = load_cluster(records, first, n);
+            Vec3* force = &part[cluster * all];
+            const auto add = [&](PlaneMask mask, int body, float8 ax, float8 ay, float8 az) {
+                double a[FluidTag::most][3] = {};
+                for (int lane = 0; lane < members; ++lane) {
+                    double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
+                    of[0] += ax[lane], of[1] += ay[lane], of[2] += az[lane];
+                }
+                for (std::size_t p = 0; p < planes; ++p) {
+                    if (!(mask >> p & 1)) continue;
+                    const Vec3& normal = mirror.plane(static_cast<int>(p)).normal;
+                    for (std::size_t f = 0; f < fluids; ++f) {
+                        const double along =
+                            a[f][0] * normal[0] + a[f][1] * normal[1] + a[f][2] * normal[2];
+                        for (int b = 0; b < 3; ++b) {
+                            force[p * fluids + f][b] -= physics.fluids[f].mass * along * normal[b];
+                            if (body >= 0) a[f][b] -= along * normal[b];
+                        }
+                    }
+                }
+                if (body < 0) return;
+                const std::size_t w = planes + body;
+                for (std::size_t f = 0; f < fluids; ++f)
+                    for (int b = 0; b < 3; ++b)
+                        force[w * fluids + f][b] -= physics.fluids[f].mass * a[f][b];
+            };
+            const auto add_shear = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
+                std::size_t plane = 0;  // the first of those that hold the fluid
+                while (!(mask >> plane & 1) ||
+                       mirror.plane(static_cast<int>(plane)).slip != Slip::no_slip)
+                    ++plane;
+                for (int lane = 0; lane < members; ++lane) {
+                    const std::uint32_t f = mixed ? FluidTag::of(records[first + lane]) : 0;
+                    Vec3& on = force[plane * fluids + f];
+                    const double mass = physics.fluids[f].mass;
+                    on[0] -= mass * ax[lane], on[1] -= mass * ay[lane], on[2] -= mass * az[lane];
+                }
+            };
+            if (!mixed) {
+                for_each_shear<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, no_slip,
+                                                              cluster, met, add_shear);
+                for_each_wall<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
+                                                             bodies, any_plane, met, add);
+                continue;
+            }
+            MixedLanes m;
+            look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
+                    i.own, m);
+            if (variable)
+                for_each_shear<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                                                                 m.with, neighbors, no_slip,
+                                                                 cluster, met, add_shear);
+            else
+                for_each_shear<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                                                            neighbors, no_slip, cluster, met,
+                                                            add_shear);
+            if (variable)
+                for_each_wall<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                                                                m.with, neighbors, cluster, bodies,
+                                                                any_plane, met, add);
+            else
+                for_each_wall<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                                                           neighbors, cluster, bodies, any_plane,
+                                                           met, add);
+        }
+    }
+    std::vector<Vec3> force(all, Vec3{});
+    for (int cluster = 0; cluster < clusters; ++cluster)
+        for (std::size_t p = 0; p < all; ++p)
+            for (int b = 0; b < 3; ++b) force[p][b] += part[cluster * all + p][b];
+    return force;
+}
+
+}  // namespace
+
+std::vector<Vec3> wall_forces(const PairPhysics& physics, const Neighborhood& neighbors,
+                              const MirrorPlanes& mirror, const Bodies& bodies,
+                              const NoSlipImages& no_slip) {
+    return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        return force_on_walls(kernel, physics, neighbors, mirror, bodies, no_slip);
+    });
+}
+
+}  // namespace undertow::sph
