@@ -49,10 +49,10 @@ void NoSlipImages::pack(const Neighborhood& neighbors, const MirrorPlanes& mirro
         const float v[3] = {from.vx, from.vy, from.vz};
         float shown[3];
         for (int a = 0; a < 3; ++a)
-            shown[a] = image.shown.wall[a] +
-                       image.shown.sign * (static_cast<float>(m[a][0]) * v[0] +
-                                           static_cast<float>(m[a][1]) * v[1] +
-                                           static_cast<float>(m[a][2]) * v[2]);
+            shown[a] =
+                image.shown.wall[a] + image.shown.sign * (static_cast<float>(m[a][0]) * v[0] +
+                                                          static_cast<float>(m[a][1]) * v[1] +
+                                                          static_cast<float>(m[a][2]) * v[2]);
         change_[k] = {shown[0] - free.vx, shown[1] - free.vy, shown[2] - free.vz};
     }
 }

@@ -1,10 +1,12 @@
 #pragma once
 // Images behind no-slip planes as the viscous forces and the shear rate see them.
 //
-// The continuity equation wants images that move along the wall with their source: a reversed motion
-// would make density changes out of disorder. The viscous forces of a resolved layer want
-//   v' = 2 v_wall - v        [Takeda, Miyama & Sekiya 1994; on a lattice the wall is met to second order]
-// So records keep the free-slip motion, and what v' differs from it is added here, for those images only.
+// The continuity equation wants images that move along the wall with their source: a reversed
+// motion would make density changes out of disorder. The viscous forces of a resolved layer want
+//   v' = 2 v_wall - v        [Takeda, Miyama & Sekiya 1994; on a lattice the wall is met to second
+//   order]
+// So records keep the free-slip motion, and what v' differs from it is added here, for those images
+// only.
 
 #include <vector>
 
@@ -17,8 +19,8 @@ namespace undertow::sph {
 
 /// v' = sign R(mirrored) v + wall, with R the reflection at the planes that let the fluid slip.
 struct ViscousImage {
-    float wall[3];        // [m/s]
-    float sign;           // -1 behind a no-slip plane, 1 in the corner of two
+    float wall[3];  // [m/s]
+    float sign;     // -1 behind a no-slip plane, 1 in the corner of two
     PlaneMask mirrored;
 
     ViscousImage(const MirrorPlanes& mirror, PlaneMask mask, bool resolves_walls) {
@@ -42,10 +44,10 @@ class NoSlipImages {
               const std::vector<FluidLaw>& fluids, const Particles& particles);
     /// Their velocities; after each packing of the fluid's.
     void pack(const Neighborhood& neighbors, const MirrorPlanes& mirror);
-    /// Viscoplastic fluids: the first layer, z < dx, gets the viscosity of the shear rate u/z between
-    /// itself and the wall, so that its pair with its own image carries the law's stress at the wall.
-    /// The summed rate is that of z = 5/8 dx: stresses at the wall 5 % too high for n = 0.23 at 40
-    /// particles across a channel. After each sum of forces.
+    /// Viscoplastic fluids: the first layer, z < dx, gets the viscosity of the shear rate u/z
+    /// between itself and the wall, so that its pair with its own image carries the law's stress at
+    /// the wall. The summed rate is that of z = 5/8 dx: stresses at the wall 5 % too high for n =
+    /// 0.23 at 40 particles across a channel. After each sum of forces.
     void take_wall_viscosity(const std::vector<FluidLaw>& fluids, const MirrorPlanes& mirror,
                              double spacing, Particles& particles) const;
 
@@ -57,7 +59,7 @@ class NoSlipImages {
     const Listed* begin(int cluster) const { return listed_.data() + begin_[cluster]; }
     const Listed* end(int cluster) const { return listed_.data() + begin_[cluster + 1]; }
     struct Change {
-        float x, y, z;   // v' minus the record's velocity [m/s]
+        float x, y, z;  // v' minus the record's velocity [m/s]
     };
     const Change& change(int image) const { return change_[image]; }
 
@@ -65,12 +67,12 @@ class NoSlipImages {
     struct Image {
         int record, source;
         ViscousImage shown;
-        int plane;         // the no-slip plane, -1 in the corner of two
+        int plane;  // the no-slip plane, -1 in the corner of two
     };
     std::vector<Image> images_;
-    std::vector<Change> change_;   // [images]
-    std::vector<int> image_of_;    // [extras], -1 = none
-    std::vector<int> begin_;       // [clusters + 1]
+    std::vector<Change> change_;  // [images]
+    std::vector<int> image_of_;   // [extras], -1 = none
+    std::vector<int> begin_;      // [clusters + 1]
     std::vector<Listed> listed_;
 };
 

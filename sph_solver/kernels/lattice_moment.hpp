@@ -7,10 +7,10 @@
 
 namespace undertow::sph {
 
-/// M = sum_j V_j scale F(r_j) r_j^2/d over a cubic lattice of spacing dx: 1 for the integral. Viscous sums
-/// are divided by it, so that a linear shear on a lattice has exactly the viscosity it is given. It
-/// hardly depends on order: Wendland C2 in 2D at h = 1.2 dx has 0.964 on the lattice, 0.952 with
-/// particles moved by up to 0.2 dx at random (in 3D 0.985 and 0.978).   [-]
+/// M = sum_j V_j scale F(r_j) r_j^2/d over a cubic lattice of spacing dx: 1 for the integral.
+/// Viscous sums are divided by it, so that a linear shear on a lattice has exactly the viscosity it
+/// is given. It hardly depends on order: Wendland C2 in 2D at h = 1.2 dx has 0.964 on the lattice,
+/// 0.952 with particles moved by up to 0.2 dx at random (in 3D 0.985 and 0.978).   [-]
 inline double lattice_moment(Kernel kernel, double h, double dx, int dimension) {
     return with_kernel(kernel, h, dimension, [&](const auto& law) {
         using Law = std::decay_t<decltype(law)>;

@@ -24,7 +24,8 @@ double ImplicitViscosity::sum_over_particles(int n, Body&& body) {
 
 void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& neighbors,
                               const MirrorPlanes& mirror, const Bodies& bodies,
-                              double kick, const Vec3& g, std::size_t identities, Particles& particles) {
+                              double kick, const Vec3& g, std::size_t identities,
+                              Particles& particles) {
     Particles& s = particles;
     const int n = static_cast<int>(s.size());
     if (n == 0 || !(kick > 0)) return;
@@ -56,22 +57,24 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
         return m[i] * std::max(ax * ax + ay * ay + az * az,
                                double(a[0]) * a[0] + double(a[1]) * a[1] + double(a[2]) * a[2]);
     });
-    // fluid in equilibrium under its own weight has next to no drive: then its weight is the measure
+    // fluid in equilibrium under its own weight has next to no drive: then its weight is the
+    // measure
     const double g2 = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
     const double scale2 = kick * kick * std::max(drive, 1e-4 * g2 * weight);
 
     double rz = 0;
     const auto precondition = [&](int i) {
         const float d = 1 / diagonal_[i];
-        return double(d) * (double(residual_.x[i]) * residual_.x[i] +
-                            double(residual_.y[i]) * residual_.y[i] +
-                            double(residual_.z[i]) * residual_.z[i]);
+        return double(d) *
+               (double(residual_.x[i]) * residual_.x[i] + double(residual_.y[i]) * residual_.y[i] +
+                double(residual_.z[i]) * residual_.z[i]);
     };
     const auto unbalanced = [&] {
         return sum_over_particles(n, [&](int i) {
             return (double(residual_.x[i]) * residual_.x[i] +
                     double(residual_.y[i]) * residual_.y[i] +
-                    double(residual_.z[i]) * residual_.z[i]) / m[i];
+                    double(residual_.z[i]) * residual_.z[i]) /
+                   m[i];
         });
     };
     double left2 = unbalanced();

@@ -56,7 +56,7 @@ double shear_rate_of_flow(const Case& input, double c0) {
 bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
     const double slow = creep_share * shear_rate_of_flow(input, c0);
     std::vector<double> wanted;
-    double ratio = 0;   // of the acoustic step to the viscous one
+    double ratio = 0;  // of the acoustic step to the viscous one
     for (std::size_t k = 0; k < laws.size(); ++k) {
         const FluidLaw& law = laws[k];
         HerschelBulkley exact = law.rheology;
@@ -69,7 +69,8 @@ bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
     const ViscositySolver choice = input.sph.viscosity_solver;
     const bool strain = input.sph.viscous_form == ViscousForm::strain;
     if (strain && choice == ViscositySolver::explicit_sums)
-        throw InputError(input.file + ": sph.viscous_form = \"strain\" is not in the explicit sums: "
+        throw InputError(input.file +
+                         ": sph.viscous_form = \"strain\" is not in the explicit sums: "
                          "leave sph.viscosity_solver at \"auto\" or set \"implicit\".");
     const bool implicit =
         choice == ViscositySolver::implicit ||
@@ -94,7 +95,8 @@ Creep creep_of(const FluidLaw& law, int fluid, const Particles& particles) {
     double all = 0, stiff = 0;
     for (std::size_t i = 0; i < particles.size(); ++i) {
         if (particles.fluid[i] != fluid) continue;
-        const double volume = 1 / (law.rho0 + particles.drho[i]);   // times the mass, the same for all
+        const double volume =
+            1 / (law.rho0 + particles.drho[i]);  // times the mass, the same for all
         all += volume;
         if (!(particles.viscosity[i] > 0.5 * r.max_viscosity)) continue;
         stiff += volume;

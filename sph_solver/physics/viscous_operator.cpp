@@ -47,8 +47,8 @@ Sum sum_pairs(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* re
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
-        const float8 w = KernelLaw::gradient_factor(r2, inverse_h) * j.volume *
-                         harmonic_mean(i.mu, j.p);
+        const float8 w =
+            KernelLaw::gradient_factor(r2, inverse_h) * j.volume * harmonic_mean(i.mu, j.p);
         const float8 vx = ux - j.vx, vy = uy - j.vy, vz = uz - j.vz;
         if constexpr (form == ViscousForm::laplacian) {
             sum.x += w * vx, sum.y += w * vy, sum.z += w * vz;
@@ -69,8 +69,8 @@ float8 sum_weights(const Target& i, const Packed* records, const int* at, const 
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
-        const float8 w = KernelLaw::gradient_factor(r2, inverse_h) * j.volume *
-                         harmonic_mean(i.mu, j.p);
+        const float8 w =
+            KernelLaw::gradient_factor(r2, inverse_h) * j.volume * harmonic_mean(i.mu, j.p);
         sum += r2 > 2 * tiny ? w : float8{};
     }
     return sum;

@@ -1,10 +1,10 @@
 #pragma once
 // The viscous forces as a linear map of the velocities, on the cluster lists of the pair sums:
 //   (K u)_i = sum_j w_ij (u_i - u_j)                                  laplacian  [Morris 1997]
-//   (K u)_i = sum_j (d + 2) w_ij [(u_i - u_j) . x_ij] x_ij/r^2        strain     [Monaghan 2005, Eq. 8.9]
-//   w_ij = 2 mu_ij V_i V_j scale F(r)  [kg/s per m^(3-d)],  mu_ij the harmonic mean
-// w_ij = w_ji >= 0, and an image of j behind a plane stands to i as the image of i stands to j: K is
-// symmetric and positive semidefinite. The implicit update solves (M + dt K) u = M u*.
+//   (K u)_i = sum_j (d + 2) w_ij [(u_i - u_j) . x_ij] x_ij/r^2        strain     [Monaghan 2005,
+//   Eq. 8.9] w_ij = 2 mu_ij V_i V_j scale F(r)  [kg/s per m^(3-d)],  mu_ij the harmonic mean
+// w_ij = w_ji >= 0, and an image of j behind a plane stands to i as the image of i stands to j: K
+// is symmetric and positive semidefinite. The implicit update solves (M + dt K) u = M u*.
 
 #include <cstdint>
 #include <vector>
@@ -35,14 +35,14 @@ class ViscousOperator {
                  const MirrorPlanes& mirror, const Bodies& bodies,
                  const Particles& particles);
 
-    enum class Walls { moving, still };   // with their velocities; or the linear part alone
+    enum class Walls { moving, still };  // with their velocities; or the linear part alone
 
     /// out = mass_factor M u + dt K u  [kg m/s per m^(3-d)]. Returns u . out.
     double apply(const Field3& u, Walls walls, double mass_factor, double dt, Field3& out);
     /// out[i] = M_i + dt sum_j w_ij c, c = 1 (laplacian) or (d + 2)/d (strain): near the diagonal.
     void diagonal(double dt, std::vector<float>& out);
 
-    const std::vector<float>& mass() const { return mass_; }   // rho0 V0 of each particle
+    const std::vector<float>& mass() const { return mass_; }  // rho0 V0 of each particle
 
  private:
     void pack(const Field3& u, Walls walls);
@@ -54,10 +54,10 @@ class ViscousOperator {
     const PairPhysics* physics_ = nullptr;
     const Neighborhood* neighbors_ = nullptr;
     const MirrorPlanes* mirror_ = nullptr;
-    std::vector<Packed> records_;        // velocity: of u; p: viscosity [Pa s]
-    std::vector<ViscousImage> image_;    // [extras]
-    std::vector<float> mass_;            // [particles], padded
-    std::vector<double> part_;           // [clusters]
+    std::vector<Packed> records_;      // velocity: of u; p: viscosity [Pa s]
+    std::vector<ViscousImage> image_;  // [extras]
+    std::vector<float> mass_;          // [particles], padded
+    std::vector<double> part_;         // [clusters]
 };
 
 }  // namespace undertow::sph

@@ -1,5 +1,5 @@
-// Flow between no-slip planes against exact solutions: Newton, power law, Bingham, Herschel-Bulkley,
-// two layers, and a wall set in motion.
+// Flow between no-slip planes against exact solutions: Newton, power law, Bingham,
+// Herschel-Bulkley, two layers, and a wall set in motion.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -13,9 +13,10 @@ using namespace undertow::sph;
 namespace {
 
 /// Plates at z = -h and h, driven by a force G per volume; tau = tau_y + K gd^n.
-///   plug |z| < z_y = tau_y/G:  u = n/(n+1) (G/K)^(1/n) (h - z_y)^(1+1/n), outside it less the same of |z| - z_y
+///   plug |z| < z_y = tau_y/G:  u = n/(n+1) (G/K)^(1/n) (h - z_y)^(1+1/n), outside it less the same
+///   of |z| - z_y
 struct Channel {
-    double G, tau_y, K, n, h;   // [N/m3], [Pa], [Pa s^n], [-], [m]
+    double G, tau_y, K, n, h;  // [N/m3], [Pa], [Pa s^n], [-], [m]
     double velocity(double z) const {
         const double plug = tau_y / G, e = 1 + 1 / n, a = n / (n + 1) * std::pow(G / K, 1 / n);
         const double beyond = std::max(0.0, std::abs(z) - plug);
@@ -76,13 +77,14 @@ double l2_error(const FluidSystem& fluid, Exact&& exact) {
     return std::sqrt(difference / size);
 }
 
-/// Started from the exact profile, after half a viscous time h^2/nu: long enough for an error of the
-/// stress to have become one of the velocity (the slowest mode falls by 1 - exp(-pi^2/8) = 71 %).
+/// Started from the exact profile, after half a viscous time h^2/nu: long enough for an error of
+/// the stress to have become one of the velocity (the slowest mode falls by 1 - exp(-pi^2/8) = 71
+/// %).
 double channel_error(const Channel& exact, int across) {
     const double top = exact.velocity(0), dx = 2 * exact.h / across;
     Fluid f;
     f.name = "f";
-    f.density = 2.5 * exact.G * exact.h / (top * top);   // Re = rho V^2/(G h) = 2.5
+    f.density = 2.5 * exact.G * exact.h / (top * top);  // Re = rho V^2/(G h) = 2.5
     if (exact.tau_y == 0 && exact.n == 1)
         f.viscosity = exact.K;
     else
@@ -101,11 +103,12 @@ double channel_error(const Channel& exact, int across) {
 
 }  // namespace
 
-TEST_CASE("Poiseuille flow of Newton, power-law, Bingham and Herschel-Bulkley fluids is the exact one") {
+TEST_CASE(
+    "Poiseuille flow of Newton, power-law, Bingham and Herschel-Bulkley fluids is the exact one") {
     struct Set {
         const char* name;
         Channel channel;
-        double coarse, fine;   // L2 error at 10 and 20 particles across
+        double coarse, fine;  // L2 error at 10 and 20 particles across
     };
     // Measured at 10, 20, 40 across: see docs/theory.md. Orders above 1; limits leave a fifth.
     const Set sets[] = {{"newton", {1, 0, 0.01, 1, 0.5}, 0.02, 0.005},
@@ -123,7 +126,7 @@ TEST_CASE("Poiseuille flow of Newton, power-law, Bingham and Herschel-Bulkley fl
 }
 
 TEST_CASE("a wall set in motion drags the fluid along as Couette flow starts up") {
-    const double gap = 0.2, speed = 0.1, nu = 1e-2;   // [m], [m/s], [m2/s]
+    const double gap = 0.2, speed = 0.1, nu = 1e-2;  // [m], [m/s], [m2/s]
     const ViscositySolver solver =
         GENERATE(ViscositySolver::explicit_sums, ViscositySolver::implicit);
     Fluid f;
@@ -151,12 +154,12 @@ TEST_CASE("a wall set in motion drags the fluid along as Couette flow starts up"
 
 TEST_CASE("the velocity between two layers under shear follows from their viscosities") {
     const double gap = 0.2, speed = 0.1;
-    const auto [ratio, implicit] =
-        GENERATE(std::make_pair(10.0, false), std::make_pair(10.0, true), std::make_pair(100.0, true));
+    const auto [ratio, implicit] = GENERATE(std::make_pair(10.0, false), std::make_pair(10.0, true),
+                                            std::make_pair(100.0, true));
     Fluid thick, thin;
     thick.name = "thick", thin.name = "thin";
     thick.density = thin.density = 1000;
-    thick.viscosity = 100, thin.viscosity = 100 / ratio;   // [Pa s]
+    thick.viscosity = 100, thin.viscosity = 100 / ratio;  // [Pa s]
     Case input = strip(0.005, 0, gap, {thick, thin});
     input.sph.max_speed = 2 * speed;
     input.sph.viscosity_solver =
@@ -172,12 +175,13 @@ TEST_CASE("the velocity between two layers under shear follows from their viscos
     Particles& p = fluid.particles;
     for (std::size_t i = 0; i < p.size(); ++i) p.vx[i] = exact(p.z[i]);
     run(fluid, input, (implicit ? 0.125 : 0.06) * gap * gap * 1000 / thin.viscosity);
-    double slope = 0, size = 0;   // of the thick layer, through the wall at rest
+    double slope = 0, size = 0;  // of the thick layer, through the wall at rest
     for (std::size_t i = 0; i < p.size(); ++i)
         if (p.z[i] < 0.5 * gap) slope += p.vx[i] * p.z[i], size += p.z[i] * p.z[i];
     const double found = slope / size * 0.5 * gap;
     INFO("interface at " << found << " m/s, exact " << at_interface);
-    // 2.3 % at 20 particles a layer, first order: pairs beyond the nearest meet the interface off middle
+    // 2.3 % at 20 particles a layer, first order: pairs beyond the nearest meet the interface off
+    // middle
     CHECK(found == Approx(at_interface).epsilon(0.025));
     CHECK(l2_error(fluid, exact) < 0.01);
 }

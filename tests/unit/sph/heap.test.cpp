@@ -14,7 +14,7 @@ using namespace undertow::sph;
 
 namespace {
 
-constexpr double dx = 0.01, height = 0.1, width = 0.2, rho = 1600, g = 9.81;   // SI
+constexpr double dx = 0.01, height = 0.1, width = 0.2, rho = 1600, g = 9.81;  // SI
 
 /// Half a heap on a floor that holds it, beside a plane of symmetry.
 Case heap(double yield_stress, ViscositySolver solver, ViscousForm form) {
@@ -39,7 +39,8 @@ FluidSystem run(const Case& input, double end) {
         const double c0 = fluid.largest_sound_speed();
         const double stable = stable_step({fluid.physics().h, c0, health.max_speed,
                                            health.max_acceleration, health.max_kinematic_viscosity},
-                                          acoustic_cfl(input.sph), input.sph.force_cfl).dt;
+                                          acoustic_cfl(input.sph), input.sph.force_cfl)
+                                  .dt;
         const double dt = before > 0 ? std::min(stable, 1.05 * before) : stable;
         health = scenes::two_pass_step(fluid, t, dt, before);
         before = dt;
@@ -65,7 +66,7 @@ TEST_CASE("a slow heap comes to rest as h^2 = 2 tau_y/(rho g) (L - x)") {
     CHECK(runout(fluid) == Approx(L).epsilon(0.05));
     double error = 0, size = 0;
     for (double x = dx; x < 0.85 * L; x += dx) {
-        double volume = 0;   // of a column two spacings wide
+        double volume = 0;  // of a column two spacings wide
         for (std::size_t i = 0; i < fluid.particles.size(); ++i)
             if (std::abs(fluid.particles.x[i] - x) < dx) volume += dx * dx;
         const double exact = std::sqrt(a * (L - x)), h = volume / (2 * dx);
@@ -76,13 +77,14 @@ TEST_CASE("a slow heap comes to rest as h^2 = 2 tau_y/(rho g) (L - x)") {
 }
 
 TEST_CASE("a block that its yield stress carries stands, where the capped explicit one spreads") {
-    const double tau_y = 2000;   // half of rho g height is 785 Pa
-    const FluidSystem stands = run(heap(tau_y, ViscositySolver::implicit, ViscousForm::strain), 0.5);
+    const double tau_y = 2000;  // half of rho g height is 785 Pa
+    const FluidSystem stands =
+        run(heap(tau_y, ViscositySolver::implicit, ViscousForm::strain), 0.5);
     const FluidSystem spreads =
         run(heap(tau_y, ViscositySolver::explicit_sums, ViscousForm::laplacian), 0.5);
     CHECK(runout(stands) < width + 0.1 * dx);
     CHECK(runout(spreads) > width + 3 * dx);
     const Creep creep = creep_of(stands.fluid(), 0, stands.particles);
     CHECK(creep.share_at_cap > 0.1);
-    CHECK(creep.rate < 0.1);   // [1/s]
+    CHECK(creep.rate < 0.1);  // [1/s]
 }

@@ -15,10 +15,10 @@ using namespace undertow::sph;
 
 namespace {
 
-constexpr double length = 0.4, dx = 0.01, wave = M_PI / length;   // [m], [m], [1/m]
+constexpr double length = 0.4, dx = 0.01, wave = M_PI / length;  // [m], [m], [1/m]
 
-/// Vortices in a box of free-slip walls (see herschel_bulkley.test.cpp), so viscous that the acoustic
-/// step is `ratio` times the explicit limit.
+/// Vortices in a box of free-slip walls (see herschel_bulkley.test.cpp), so viscous that the
+/// acoustic step is `ratio` times the explicit limit.
 struct Vortices {
     double nu, dt;
     FluidSystem fluid;
@@ -39,7 +39,7 @@ struct Vortices {
                            scenes::plane("lid", {0, 0, length}, {0, 0, -1})};
         return input;
     }
-    static double step() { return 0.9 * dx / 2; }   // c0 = 2 m/s
+    static double step() { return 0.9 * dx / 2; }  // c0 = 2 m/s
     static double viscosity(double ratio) {
         return ratio * viscous_cfl * std::pow(1.5 * dx, 2) / step();
     }
@@ -67,7 +67,7 @@ TEST_CASE("vortices decay by exp(-2 nu k^2 t) at 1, 10 and 100 times the explici
     const double ratio = GENERATE(1.0, 10.0, 100.0);
     const ViscousForm form = GENERATE(ViscousForm::laplacian, ViscousForm::strain);
     Vortices of(ratio, form, 1e-3);
-    const double rate = 2 * of.nu * wave * wave;   // of the velocity [1/s]
+    const double rate = 2 * of.nu * wave * wave;  // of the velocity [1/s]
     const double start = of.energy(), end = 0.5 / rate;
     double t = 0, before = 0;
     int n = 0;
@@ -83,11 +83,12 @@ TEST_CASE("vortices decay by exp(-2 nu k^2 t) at 1, 10 and 100 times the explici
     const ImplicitFigures& f = of.fluid.implicit_viscosity()->figures();
     INFO(n << " steps, exponent over exact " << exponent / exact << ", over backward Euler's "
            << exponent / euler << ", iterations " << double(f.iterations) / double(f.steps));
-    // Morris' Laplacian on a lattice: 0.3 % in space, and backward Euler's error in time: (1 - z/2), 12 %
-    // at ratio 100 where z = 0.35. The strain form knows the lattice: 11 % along its axes.
+    // Morris' Laplacian on a lattice: 0.3 % in space, and backward Euler's error in time: (1 -
+    // z/2), 12 % at ratio 100 where z = 0.35. The strain form knows the lattice: 11 % along its
+    // axes.
     CHECK(exponent == Approx(euler).epsilon(form == ViscousForm::laplacian ? 0.01 : 0.12));
-    CHECK(exponent == Approx(exact).epsilon(0.01 + 0.5 * z +
-                                            (form == ViscousForm::laplacian ? 0 : 0.11)));
+    CHECK(exponent ==
+          Approx(exact).epsilon(0.01 + 0.5 * z + (form == ViscousForm::laplacian ? 0 : 0.11)));
     CHECK(f.not_converged == 0);
 }
 
@@ -125,7 +126,7 @@ TEST_CASE("the implicit update conserves momentum to round-off, however loose it
         size += m * (std::abs(p.ax[i]) + std::abs(p.ay[i]) + std::abs(p.az[i]));
     }
     CHECK(fluid.implicit_viscosity()->figures().iterations > 0);
-    for (const double s : sum) CHECK(std::abs(s) < 2e-6 * size);   // float32 sums, as for pairs
+    for (const double s : sum) CHECK(std::abs(s) < 2e-6 * size);  // float32 sums, as for pairs
 }
 
 TEST_CASE("the implicit update has the same bits for one thread and for two") {
@@ -143,13 +144,13 @@ TEST_CASE("a stiff body goes on turning in the strain form, and is stopped by th
     Case input = scenes::water_box(0.01, {0.2, 0.01, 0.2}, 2);
     input.info.gravity = {0, 0, 0};
     input.sph.max_speed = 1;
-    input.sph.fluid[0].viscosity = 1e4;   // [Pa s]: a shear wave passes in 1e-4 s
+    input.sph.fluid[0].viscosity = 1e4;  // [Pa s]: a shear wave passes in 1e-4 s
     input.sph.viscosity_solver = ViscositySolver::implicit;
     input.sph.artificial_viscosity = 0;
     const ViscousForm form = GENERATE(ViscousForm::laplacian, ViscousForm::strain);
     input.sph.viscous_form = form;
     FluidSystem fluid(input, 0.4);
-    const double omega = 0.1;   // [1/s]
+    const double omega = 0.1;  // [1/s]
     Particles& p = fluid.particles;
     for (std::size_t i = 0; i < p.size(); ++i)
         p.vx[i] = -omega * (p.z[i] - 0.1), p.vz[i] = omega * (p.x[i] - 0.1);
@@ -178,8 +179,7 @@ TEST_CASE("auto takes the implicit update where the explicit one would need a te
     FluidSystem stiff(input, 0.4);
     REQUIRE(stiff.implicit_viscosity());
     // what is at yield creeps at a thousandth of the flow's own shear rate
-    const double slow =
-        creep_share * shear_rate_of_flow(input, stiff.largest_sound_speed());
+    const double slow = creep_share * shear_rate_of_flow(input, stiff.largest_sound_speed());
     CHECK(stiff.fluid(1).rheology(float(slow)) * slow > 0.6 * 500);
     // and no step is shortened by it
     CHECK(stiff.health().max_kinematic_viscosity == 0);
@@ -188,5 +188,6 @@ TEST_CASE("auto takes the implicit update where the explicit one would need a te
     CHECK_FALSE(capped.implicit_viscosity());
     CHECK(capped.fluid(1).rheology.max_viscosity < 0.1 * stiff.fluid(1).rheology.max_viscosity);
     input.sph.viscous_form = ViscousForm::strain;
-    CHECK_THROWS_WITH(FluidSystem(input, 0.4), Catch::Contains("\"strain\" is not in the explicit"));
+    CHECK_THROWS_WITH(FluidSystem(input, 0.4),
+                      Catch::Contains("\"strain\" is not in the explicit"));
 }
