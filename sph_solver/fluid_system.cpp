@@ -40,12 +40,8 @@ PairPhysics resolve_physics(const Case& input) {
     double c0 = 0;
     for (const FluidLaw& f : p.fluids) c0 = std::max(c0, f.c0);
     p.implicit_viscosity = plan_viscosity(input, c0, p.fluids);
-    // where no particle is small enough to feel it, the viscosity stays as it always was
-    if (p.implicit_viscosity || std::any_of(p.fluids.begin(), p.fluids.end(), [](const FluidLaw& f) {
-            return f.resolves_walls;
-        }))
-        p.lattice_moment = lattice_moment(input.sph.kernel, p.h, input.sph.spacing,
-                                          input.info.dimension);
+    p.lattice_moment =
+        lattice_moment(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
     p.viscous_form = input.sph.viscous_form;
     return p;
 }

@@ -182,7 +182,7 @@ struct SphSettings {
     bool present = false;                // the case has an [sph] table
     double spacing = 0;                  // [m] dx
     Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2", "wendland_c4"
-    double smoothing_ratio = 1.2;        // h/dx; support radius 2h
+    double smoothing_ratio = 1.2;        // h/dx; support radius 2h; default in the plane: 1.5
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
     ViscositySolver viscosity_solver = ViscositySolver::automatic;   // "auto", "explicit", "implicit"

@@ -303,11 +303,11 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                               const Neighborhood& neighbors, const Particles& p) {
     const FixedPoint& fixed = neighbors.fixed();
     const std::vector<Packed>& records = neighbors.records();
-    const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale();
+    const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale() / physics.lattice_moment;
     // of the records: the sums have found the next ones already
     const std::vector<float>& viscosity = neighbors.viscosity();
     const bool variable = !viscosity.empty();
-    const double per_moment = physics.implicit_viscosity ? 0 : 2 / physics.lattice_moment;
+    const double per_moment = physics.implicit_viscosity ? 0 : 2;
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;

@@ -1,5 +1,5 @@
 #pragma once
-// What a kernel's sum makes of a second derivative where particles stand on a lattice.
+// What a kernel's sums make of derivatives where particles stand on a lattice.
 
 #include <cmath>
 
@@ -8,8 +8,9 @@
 namespace undertow::sph {
 
 /// M = sum_j V_j scale F(r_j) r_j^2/d over a cubic lattice of spacing dx: 1 for the integral.
-/// Viscous sums are divided by it, so that a linear shear on a lattice has exactly the viscosity it
-/// is given. It hardly depends on order: Wendland C2 in 2D at h = 1.2 dx has 0.964 on the lattice,
+/// Sums with grad W are divided by it: divergence, pressure force (the same factor in both, which
+/// conserves energy), diffusion and viscosity. On a lattice a linear field then has its exact gradient,
+/// sound its speed and shear its viscosity. It hardly depends on order: Wendland C2 in 2D at h = 1.2 dx has 0.964 on the lattice,
 /// 0.952 with particles moved by up to 0.2 dx at random (in 3D 0.985 and 0.978).   [-]
 inline double lattice_moment(Kernel kernel, double h, double dx, int dimension) {
     return with_kernel(kernel, h, dimension, [&](const auto& law) {

@@ -32,7 +32,8 @@ PairConstants<Scalar> pair_constants(const PairPhysics& p, const FluidLaw& f, do
 
 template <class Scalar>
 Factors<Scalar> factors(const PairPhysics& p, const FluidLaw& f, double scale, double unit) {
-    return {Scalar(scale * unit), Scalar(p.implicit_viscosity ? 0 : 2 * f.mu * scale / p.lattice_moment),
+    scale /= p.lattice_moment;
+    return {Scalar(scale * unit), Scalar(p.implicit_viscosity ? 0 : 2 * f.mu * scale),
             Scalar(2 * p.density_diffusion * p.h * scale / f.c0), Scalar(1 / (f.rho0 * f.volume))};
 }
 
@@ -50,7 +51,8 @@ struct Mixture {
         FluidLaw none;  // its part of the constants is in the tables
         none.rho0 = 1, none.c0 = 0;
         constants = pair_constants<Scalar>(p, none, unit);
-        gradient = Scalar(scale * unit), viscous = Scalar(p.implicit_viscosity ? 0 : 2 * scale / p.lattice_moment);
+        gradient = Scalar(scale / p.lattice_moment * unit);
+        viscous = Scalar(p.implicit_viscosity ? 0 : 2 * scale / p.lattice_moment);
         for (int a = 0; a < fluids; ++a) {
             const FluidLaw& f = p.fluids[a];
             const auto own = factors<Scalar>(p, f, scale, unit);

@@ -20,7 +20,7 @@ struct PairPhysics {
     double density_diffusion = 0;     // delta
     Vec3 gravity{};                   // [m/s2] of which pressure takes care at rest: without its
                                       // components along periodic axes
-    double lattice_moment = 1;        // viscous sums are divided by it, see lattice_moment.hpp
+    double lattice_moment = 1;        // sums with grad W are divided by it, see lattice_moment.hpp
     bool implicit_viscosity = false;  // the sums leave the viscous forces out
     ViscousForm viscous_form = ViscousForm::laplacian;
     double shifting = 0;              // K, see find_shift

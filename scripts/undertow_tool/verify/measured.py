@@ -73,7 +73,7 @@ class Measured:
         largest sum of m |v| plus the weight's impulse. Wall forces are integrated over the rows of
         forces.csv, so with walls its interval shows; None where a wall has friction or moves."""
         walls = self.case["sph"]["plane"]
-        if any(w["slip"] != "free" for w in walls) or self.case["sph"]["body"]:
+        if any(w["slip"] != "free" for w in walls) or self.case["sph"].get("body"):
             return None
         total, size = self.momentum()
         mass = float(np.sum(self.masses(0, len(self.fields.read(0)[0]))))
