@@ -85,10 +85,11 @@ struct ShearSums {
 
 enum class Terms { rate, force, both };
 
-/// 2 a b/(a + b); 0 if both are.
+/// 2 a b/(a + b); 0 if both are. To 14 bits, 6e-5: no law of a viscosity is known to that. The same
+/// bits for b and a, so that the forces of a pair stay opposite; what belongs to `a` alone leaves loops.
 template <class Real, class Other>
 inline Real harmonic_mean(Real a, Other b) {
-    return (a * b) * precise_reciprocal((a + b) * 0.5f + 1e-30f);
+    return ((a + a) * b) * reciprocal((a + 1e-30f) + b);
 }
 
 /// with, mu_j and shear are not looked at unless `content` says so.
