@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -26,8 +25,8 @@ constexpr int short_lived = 8, long_lived = 40;
 constexpr double narrow_skin = 0.2, wide_skin = 0.4;
 // Particles may move this far [dx] before the images behind a coupled surface are found anew.
 constexpr double along_surface = 0.2;
-// Sound goes this far [dx] before a shear rate is found anew.
-const double shear_rate_hold = getenv("HOLD") ? atof(getenv("HOLD")) : 1;
+// Sound goes this far [dx] before a shear rate is found anew: within the support.
+constexpr double shear_rate_hold = 2;
 
 PairPhysics resolve_physics(const Case& input) {
     PairPhysics p;
@@ -378,8 +377,9 @@ void FluidSystem::sum_over_neighbors(Terms terms) {
     surface_.add(physics_, neighbors_, terms, particles);
 }
 
-/// Explicit viscous forces keep a viscosity while sound goes shear_rate_hold: velocity gradients that
-/// particles can show do not change in that time.
+/// Explicit viscous forces keep a viscosity while sound goes shear_rate_hold: the velocity gradients that
+/// a kernel can see hardly change in that time, and any viscosity dissipates. At small steps that is
+/// some eight of them.
 ShearRate FluidSystem::shear_rate_now() {
     if (!physics_.viscoplastic()) return ShearRate::held;
     const bool young = shear_rate_age_ > 0 &&   // no time has passed: somebody wants to know again
