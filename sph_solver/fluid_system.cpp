@@ -25,6 +25,8 @@ constexpr int short_lived = 8, long_lived = 40;
 constexpr double narrow_skin = 0.2, wide_skin = 0.4;
 // Particles may move this far [dx] before the images behind a coupled surface are found anew.
 constexpr double along_surface = 0.2;
+// Sound goes this far [dx] before a shear rate is found anew: within the support.
+constexpr double shear_rate_hold = 2;
 
 PairPhysics resolve_physics(const Case& input) {
     PairPhysics p;
@@ -360,7 +362,8 @@ Vec3 FluidSystem::contact_velocity(int i) const {
 
 void FluidSystem::sum_over_neighbors(Terms terms) {
     if (terms != Terms::rate && !no_slip_.empty()) no_slip_.pack(neighbors_, mirror_);
-    undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, terms, particles);
+    const ShearRate shear_rate = terms == Terms::rate ? ShearRate::held : shear_rate_now();
+    undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, terms, particles, shear_rate);
     if (terms != Terms::rate)
         no_slip_.take_wall_viscosity(physics_.fluids, mirror_, spacing_, particles);
     if (!shift_.empty() && terms != Terms::force) shift_.carry_density(particles);
@@ -368,6 +371,18 @@ void FluidSystem::sum_over_neighbors(Terms terms) {
     if (!surface_.placed()) return;
     if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_);
     surface_.add(physics_, neighbors_, terms, particles);
+}
+
+/// Explicit viscous forces keep a viscosity while sound goes shear_rate_hold: the velocity gradients that
+/// a kernel can see hardly change in that time, and any viscosity dissipates. At small steps that is
+/// some eight of them.
+ShearRate FluidSystem::shear_rate_now() {
+    if (!physics_.viscoplastic()) return ShearRate::held;
+    const bool young = shear_rate_age_ > 0 &&   // no time has passed: somebody wants to know again
+                       shear_rate_age_ * largest_sound_speed() < shear_rate_hold * spacing_;
+    if (young && !implicit_) return ShearRate::held;
+    shear_rate_age_ = 0;
+    return ShearRate::found;
 }
 
 void FluidSystem::advance_density(double dt) {
@@ -405,6 +420,7 @@ void FluidSystem::constrain_ends(double t, double dt, double dt_before) {
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
                                    bool extrapolate) {
     const double kick = 0.5 * (dt + dt_before);
+    shear_rate_age_ += dt;
     // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
     const double w = dt_before + dt_before_that > 0 && dt_before > 0
                          ? (dt + dt_before) / (dt_before + dt_before_that) : 0;
@@ -541,7 +557,8 @@ void FluidSystem::remove_outside() {
                 (*a)[kept] = (*a)[i];
             s.id[kept] = s.id[i];
             s.fluid[kept] = s.fluid[i];
-            if (!s.viscosity.empty()) s.viscosity[kept] = s.viscosity[i];
+            if (!s.viscosity.empty())
+                s.viscosity[kept] = s.viscosity[i], s.shear_rate[kept] = s.shear_rate[i];
         }
         ++kept;
     }

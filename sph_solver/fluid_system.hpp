@@ -144,6 +144,7 @@ class FluidSystem {
     void put_back_behind_planes();
     void remove_outside();
     double viscous_limit() const;                 // largest mu/rho0 [m2/s]
+    ShearRate shear_rate_now();
 
     PairPhysics physics_;
     Vec3 gravity_;                  // [m/s2]
@@ -178,6 +179,7 @@ class FluidSystem {
     int list_age_ = 0;              // [steps]
     double reach_ = 1e300;          // forces the first rebuild
     double travelled_ = 0;          // [m]
+    double shear_rate_age_ = 1e300; // time since it was found [s]
     double fastest_ = 0;            // of the last step [m/s]
     std::vector<Removed> removed_;
     Departed departed_[6][FluidTag::most];

@@ -40,8 +40,8 @@ inline float8 positive_part(float8 a) { return a > 0 ? a : float8{}; }
 inline float8 negative_part(float8 a) { return a < 0 ? a : float8{}; }
 #endif
 
-/// 1/a to 14 bits where the processor has it: used in the artificial viscosity only, where a
-/// relative error of 6e-5 is far below the term's own meaning.
+/// 1/a to 14 bits where the processor has it: used in the artificial viscosity and in mean viscosities,
+/// where a relative error of 6e-5 is far below the term's own meaning.
 #if defined(__AVX512VL__)
 inline float8 reciprocal(float8 a) { return (float8)_mm256_rcp14_ps((__m256)a); }
 #else

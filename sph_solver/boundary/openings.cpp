@@ -254,7 +254,8 @@ void Openings::append_copies(Particles& particles, std::vector<int>& index) {
         for (auto* a : {&p.fx, &p.fy, &p.fz}) (*a)[i] = 0;
         (copy.axis == 0 ? p.x : copy.axis == 1 ? p.y : p.z)[i] += copy.shift;
         p.fluid[i] = p.fluid[from];
-        if (!p.viscosity.empty()) p.viscosity[i] = p.viscosity[from];
+        if (!p.viscosity.empty())
+            p.viscosity[i] = p.viscosity[from], p.shear_rate[i] = p.shear_rate[from];
         p.id[i] = static_cast<std::int64_t>(index.size());
         index.push_back(static_cast<int>(i));
         role_.push_back(static_cast<std::uint8_t>(member.opening + 1));

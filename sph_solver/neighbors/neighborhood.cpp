@@ -72,7 +72,7 @@ void Neighborhood::sort(Particles& particles) {
     scratch_id_.resize(n);
     scratch_byte_.resize(n);
     const bool viscous = !p.viscosity.empty();
-    scratch_float_.resize(viscous ? n : 0);
+    scratch_float_.resize(viscous ? 2 * std::size_t(n) : 0);
 #pragma omp parallel
     {
 #pragma omp for schedule(static)
@@ -82,7 +82,9 @@ void Neighborhood::sort(Particles& particles) {
                 scratch_[std::size_t(k) * reals + a] = (*real[a])[from];
             scratch_id_[k] = p.id[from];
             scratch_byte_[k] = p.fluid[from];
-            if (viscous) scratch_float_[k] = p.viscosity[from];
+            if (viscous)
+                scratch_float_[2 * std::size_t(k)] = p.viscosity[from],
+                scratch_float_[2 * std::size_t(k) + 1] = p.shear_rate[from];
         }
 #pragma omp for schedule(static)
         for (int k = 0; k < n; ++k) {
@@ -90,7 +92,9 @@ void Neighborhood::sort(Particles& particles) {
                 (*real[a])[k] = scratch_[std::size_t(k) * reals + a];
             p.id[k] = scratch_id_[k];
             p.fluid[k] = scratch_byte_[k];
-            if (viscous) p.viscosity[k] = scratch_float_[k];
+            if (viscous)
+                p.viscosity[k] = scratch_float_[2 * std::size_t(k)],
+                p.shear_rate[k] = scratch_float_[2 * std::size_t(k) + 1];
         }
     }
 }

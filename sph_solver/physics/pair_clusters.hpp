@@ -77,10 +77,10 @@ inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
     float8 FV = F;
     if constexpr (content == Content::several)
         FV *= with[FluidTag::of(j)].mu;
-    else if constexpr (content != Content::one_fluid)
+    else if constexpr (variable_viscosity(content))
         FV *= harmonic_mean(i.own.mu, mu_j);
     sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
-    if constexpr (content == Content::sheared) {
+    if constexpr (finds_shear_rate(content)) {
         const float8 Fx = F * dx, Fy = F * dy, Fz = F * dz;
         shear->vxx -= v.x * Fx, shear->vxy -= v.x * Fy, shear->vxz -= v.x * Fz;
         shear->vyx -= v.y * Fx, shear->vyy -= v.y * Fy, shear->vyz -= v.y * Fz;
@@ -93,7 +93,7 @@ inline void add_no_slip(const PairConstants<float>& c, const Lanes& i, const NoS
                         const Packed* records, int cluster, const Meeting<float8>* with,
                         const float* mu, PairSums<float8>& sum,
                         ShearSums<float8>* shear = nullptr) {
-    constexpr bool variable = content == Content::viscoplastic || content == Content::sheared;
+    constexpr bool variable = variable_viscosity(content);
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
         add_no_slip_image<KernelLaw, content>(c, i, no_slip.change(at->image), records[at->record],
                                               with, variable ? mu[at->record] : 0.0f, sum, shear);
@@ -102,7 +102,8 @@ inline void add_no_slip(const PairConstants<float>& c, const Lanes& i, const NoS
 /// What the sums of a cluster must contain, from what it holds and meets.
 class ContentOf {
  public:
-    explicit ContentOf(const PairPhysics& physics) {
+    ContentOf(const PairPhysics& physics, ShearRate shear_rate)
+        : found_(shear_rate == ShearRate::found) {
         for (std::size_t k = 0; k < physics.fluids.size(); ++k)
             if (physics.fluids[k].viscoplastic()) plastic_ |= FluidBits(1u << k);
     }
@@ -110,12 +111,13 @@ class ContentOf {
     Content operator()(FluidBits held, FluidBits met, Terms terms) const {
         const bool single = std::has_single_bit(met);
         if (terms == Terms::rate) return single ? Content::one_fluid : Content::several;
-        if (held & plastic_) return Content::sheared;
-        if (met & plastic_) return Content::viscoplastic;
-        return single ? Content::one_fluid : Content::several;
+        if (!(met & plastic_)) return single ? Content::one_fluid : Content::several;
+        if (found_ && (held & plastic_)) return single ? Content::one_sheared : Content::sheared;
+        return single ? Content::one_viscoplastic : Content::viscoplastic;
     }
 
  private:
+    bool found_;
     FluidBits plastic_ = 0;
 };
 

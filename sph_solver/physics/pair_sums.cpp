@@ -26,28 +26,57 @@ void store_results(const Factors<float, OfOwn>& k, float8 volume, const PairSums
     }
 }
 
-template <class KernelLaw, Terms terms>
+/// Viscosities of the next step, of the viscoplastic ones among the eight.
+void take_shear_rate(const PairPhysics& physics, const Packed* records, int first, int members,
+                     float8 rate, Particles& particles) {
+    for (int lane = 0; lane < members; ++lane) {
+        const FluidLaw& fluid = physics.fluids[FluidTag::of(records[first + lane])];
+        if (!fluid.viscoplastic()) continue;
+        particles.shear_rate[first + lane] = rate[lane];
+        particles.viscosity[first + lane] = fluid.rheology(rate[lane]);
+    }
+}
+
+void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, float gradient,
+                     const ShearSums<float8>& shear, int first, Particles& particles) {
+    const auto to_moment = static_cast<float>(gradient * neighbors.fixed().unit);
+    take_shear_rate(physics, neighbors.records().data(), first,
+                    std::min(lanes, neighbors.fluid_count() - first),
+                    shear_rate(shear, gradient, to_moment, physics.dimension), particles);
+}
+
+template <class KernelLaw, Terms terms, Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<float>& c,
                              const Factors<float>& k,
                              const Neighborhood& neighbors, const NoSlipImages& no_slip,
                              int cluster, Particles& particles) {
+    constexpr bool variable = variable_viscosity(content);
     const Packed* records = neighbors.records().data();
+    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
-    const int first = cluster * lanes;
-    Lanes i = load_cluster(records, first, neighbors.fluid_count());
+    const int first = cluster * lanes, n = neighbors.fluid_count();
+    Lanes i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
+    if constexpr (variable)
+        for (int lane = 0; lane < lanes; ++lane)
+            i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
+    const Meeting<float8>* no_tables = nullptr;
     PairSums<float8> sum;
+    ShearSums<float8> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms>(c, i.own, dx, dy, dz, j, sum);
+        add_pair<KernelLaw, terms, content>(c, i.own, dx, dy, dz, j, sum, no_tables,
+                                            variable ? mu[*at] : 0.0f, &shear);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, Content::one_fluid>(c, i, no_slip, records, cluster, nullptr,
-                                                       nullptr, sum);
+            add_no_slip<KernelLaw, content>(c, i, no_slip, records, cluster, no_tables, mu, sum,
+                                            &shear);
     store_results<terms>(k, i.volume, sum, first, particles);
+    if constexpr (finds_shear_rate(content))
+        take_shear_rate(physics, neighbors, k.gradient, shear, first, particles);
 }
 
 template <class KernelLaw, Terms terms>
@@ -64,22 +93,11 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         sum_pure_cluster<KernelLaw, terms>(physics, c, k, neighbors, no_slip, cluster, particles);
 }
 
-/// Viscosities of the next step, of the viscoplastic ones among the eight.
-void take_shear_rate(const PairPhysics& physics, const Packed* records, int first, int members,
-                     float8 rate, Particles& particles) {
-    for (int lane = 0; lane < members; ++lane) {
-        const FluidLaw& fluid = physics.fluids[FluidTag::of(records[first + lane])];
-        if (!fluid.viscoplastic()) continue;
-        particles.shear_rate[first + lane] = rate[lane];
-        particles.viscosity[first + lane] = fluid.rheology(rate[lane]);
-    }
-}
-
 template <class KernelLaw, Terms terms, Content content>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
                               int cluster, Particles& particles) {
-    constexpr bool variable = content == Content::viscoplastic || content == Content::sheared;
+    constexpr bool variable = variable_viscosity(content);
     const Packed* records = neighbors.records().data();
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
@@ -103,12 +121,8 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
             add_no_slip<KernelLaw, content>(mixture.constants, i, no_slip, records, cluster, m.with,
                                             mu, sum, &shear);
     store_results<terms>(m.factors, i.volume, sum, first, particles);
-    if constexpr (content == Content::sheared) {
-        const auto to_moment = static_cast<float>(mixture.gradient * neighbors.fixed().unit);
-        take_shear_rate(physics, records, first, std::min(lanes, n - first),
-                        shear_rate(shear, mixture.gradient, to_moment, physics.dimension),
-                        particles);
-    }
+    if constexpr (finds_shear_rate(content))
+        take_shear_rate(physics, neighbors, mixture.gradient, shear, first, particles);
 }
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
@@ -116,7 +130,7 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 template <class KernelLaw, Terms terms>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
-                  Particles& particles) {
+                        ShearRate shear_rate, Particles& particles) {
     const double unit = neighbors.fixed().unit;
     const Mixture<float> mixture(physics, kernel.scale(), unit);
     PairConstants<float> c[FluidTag::most];
@@ -124,8 +138,9 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     for (std::size_t f = 0; f < physics.fluids.size(); ++f) {
         c[f] = pair_constants<float>(physics, physics.fluids[f], unit);
         k[f] = factors<float>(physics, physics.fluids[f], kernel.scale(), unit);
+        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;   // mu is in the sums
     }
-    const ContentOf content_of(physics);
+    const ContentOf content_of(physics, shear_rate);
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
@@ -135,6 +150,18 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                 const int f = only_fluid(met);
                 sum_pure_cluster<KernelLaw, terms>(physics, c[f], k[f], neighbors, no_slip, cluster,
                                                    particles);
+                break;
+            }
+            case Content::one_viscoplastic: {
+                const int f = only_fluid(met);
+                sum_pure_cluster<KernelLaw, terms, Content::one_viscoplastic>(
+                    physics, c[f], k[f], neighbors, no_slip, cluster, particles);
+                break;
+            }
+            case Content::one_sheared: {
+                const int f = only_fluid(met);
+                sum_pure_cluster<KernelLaw, terms, Content::one_sheared>(
+                    physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::several:
@@ -155,9 +182,10 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
 
 template <Terms terms, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
-             const NoSlipImages& no_slip, Particles& particles) {
+             const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, particles);
+        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, shear_rate,
+                                             particles);
     else
         sum_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, particles);
 }
@@ -165,14 +193,15 @@ void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighbor
 }  // namespace
 
 void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
-                        const NoSlipImages& no_slip, Terms terms, Particles& particles) {
+                        const NoSlipImages& no_slip, Terms terms, Particles& particles,
+                        ShearRate shear_rate) {
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
         if (terms == Terms::both)
-            sum_all<Terms::both>(kernel, physics, neighbors, no_slip, particles);
+            sum_all<Terms::both>(kernel, physics, neighbors, no_slip, shear_rate, particles);
         else if (terms == Terms::rate)
-            sum_all<Terms::rate>(kernel, physics, neighbors, no_slip, particles);
+            sum_all<Terms::rate>(kernel, physics, neighbors, no_slip, shear_rate, particles);
         else
-            sum_all<Terms::force>(kernel, physics, neighbors, no_slip, particles);
+            sum_all<Terms::force>(kernel, physics, neighbors, no_slip, shear_rate, particles);
     });
 }
 

@@ -36,11 +36,16 @@ struct PairPhysics {
     bool mixed() const { return fluids.size() > 1 || viscoplastic(); }
 };
 
+/// Whether a sum of forces finds the shear rate of viscoplastic particles, at 1.5 to 2 times the cost,
+/// or lets them keep that of an earlier step and its viscosity.
+enum class ShearRate { held, found };
+
 /// Writes particles.drho_dt (rate), particles.ax, ay, az (force) or both from the packed records.
 /// With forces it also finds the shear rate of viscoplastic particles, and from it
 /// particles.viscosity, which the next pack shows to neighbors.
 void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
-                        const NoSlipImages& no_slip, Terms terms, Particles& particles);
+                        const NoSlipImages& no_slip, Terms terms, Particles& particles,
+                        ShearRate shear_rate = ShearRate::found);
 
 /// The same in double precision, one pair at a time: the readable reference of the fast loop.
 struct ReferenceSums {

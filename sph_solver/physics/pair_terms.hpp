@@ -27,7 +27,21 @@ enum class Content {
     several,        // of constant viscosities
     viscoplastic,   // viscosities differ from particle to particle
     sheared,        // and this cluster needs its own shear rate
+    one_viscoplastic,  // the same two inside one viscoplastic fluid
+    one_sheared,
 };
+
+/// One fluid, the same for all: its constants need no table.
+constexpr bool alone(Content c) {
+    return c == Content::one_fluid || c == Content::one_viscoplastic || c == Content::one_sheared;
+}
+constexpr bool finds_shear_rate(Content c) {
+    return c == Content::sheared || c == Content::one_sheared;
+}
+/// Viscosities come with the particles.
+constexpr bool variable_viscosity(Content c) {
+    return c == Content::viscoplastic || c == Content::one_viscoplastic || finds_shear_rate(c);
+}
 
 template <class Scalar>
 struct PairConstants {
@@ -71,10 +85,11 @@ struct ShearSums {
 
 enum class Terms { rate, force, both };
 
-/// 2 a b/(a + b); 0 if both are.
+/// 2 a b/(a + b); 0 if both are. To 14 bits, 6e-5: no law of a viscosity is known to that. The same
+/// bits for b and a, so that the forces of a pair stay opposite; what belongs to `a` alone leaves loops.
 template <class Real, class Other>
 inline Real harmonic_mean(Real a, Other b) {
-    return (a * b) * precise_reciprocal((a + b) * 0.5f + 1e-30f);
+    return ((a + a) * b) * reciprocal((a + 1e-30f) + b);
 }
 
 /// with, mu_j and shear are not looked at unless `content` says so.
@@ -87,7 +102,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
                                                     Scalar mu_j = 0,
                                                     ShearSums<Real>* shear = nullptr) {
     constexpr bool rate = terms != Terms::force, force = terms != Terms::rate;
-    constexpr bool mixed = content != Content::one_fluid;
+    constexpr bool mixed = !alone(content);
     const Real r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
     const Real F = KernelLaw::gradient_factor(r2, c.inverse_h) * Scalar(j.volume);
     const Real vx = i.vx - Scalar(j.vx), vy = i.vy - Scalar(j.vy), vz = i.vz - Scalar(j.vz);
@@ -104,12 +119,14 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
         const Real closing = negative_part(approach) * reciprocal(r2);
         Real P = i.push + Scalar(j.p);
         Real FV = F;
-        if constexpr (mixed) {
+        if constexpr (mixed)
             P -= closing * with->shock;
-            FV *= content == Content::several ? with->mu : harmonic_mean(i.mu, mu_j);
-        } else {
+        else
             P -= closing * c.shock;
-        }
+        if constexpr (variable_viscosity(content))
+            FV *= harmonic_mean(i.mu, mu_j);
+        else if constexpr (mixed)
+            FV *= with->mu;
         const Real FP = F * P;
         sum.ax += FP * dx;
         sum.ay += FP * dy;
@@ -117,7 +134,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
         sum.lx += FV * vx;
         sum.ly += FV * vy;
         sum.lz += FV * vz;
-        if constexpr (content == Content::sheared) {
+        if constexpr (finds_shear_rate(content)) {
             const Real Fx = F * dx, Fy = F * dy, Fz = F * dz;
             shear->vxx += vx * Fx, shear->vxy += vx * Fy, shear->vxz += vx * Fz;
             shear->vyx += vy * Fx, shear->vyy += vy * Fy, shear->vyz += vy * Fz;

@@ -48,6 +48,7 @@ Health take_step(FluidSystem& fluid, Steps& s, bool two_pass) {
     }
     fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
     fluid.add_wall_friction();
+    fluid.take_viscosity(s.dt, s.before);
     const Health health = fluid.kick_and_drift(s.dt, s.before, s.before_that, !two_pass);
     s.before_that = s.before, s.before = s.dt, s.t += s.dt;
     return health;

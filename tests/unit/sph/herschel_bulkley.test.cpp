@@ -3,6 +3,7 @@
 #include "sph_solver/physics/herschel_bulkley.hpp"
 
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "scenes.hpp"
@@ -216,4 +217,58 @@ TEST_CASE("a slide at its largest viscosity calms down at the acoustic step that
     // 0.2 %: a slow motion of the whole under disordered water. At 1.5 times this step it is the
     // same.
     CHECK(energy_of_slide() < 0.01 * start);
+}
+
+TEST_CASE("a shear rate is held while sound goes two spacings, then found anew") {
+    Case input = scenes::two_layers(0.01, {0.1, 0.1, 0.1}, 0.05, true);
+    input.sph.viscosity_solver = ViscositySolver::explicit_sums;
+    FluidSystem fluid(input, 0.2);
+    scenes::disturb(fluid, 0.1, 1, 0);
+    Particles& p = fluid.particles;
+    const double dt = 0.9 * fluid.spacing() / fluid.largest_sound_speed();
+    double t = 0;
+    scenes::two_pass_step(fluid, t, dt, dt);
+    std::vector<std::pair<std::int64_t, float>> before;  // found in the first step
+    const auto rates = [&] {
+        std::vector<std::pair<std::int64_t, float>> of;
+        for (std::size_t i = 0; i < p.size(); ++i)
+            if (p.fluid[i] == 1) of.push_back({p.id[i], p.shear_rate[i]});
+        std::sort(of.begin(), of.end());
+        return of;
+    };
+    before = rates();
+    scenes::two_pass_step(fluid, t, dt, dt);
+    scenes::two_pass_step(fluid, t, dt, dt);  // 1.8 dx: whoever was sorted has kept its own
+    CHECK(rates() == before);
+    scenes::two_pass_step(fluid, t, dt, dt);
+    CHECK(rates() != before);
+}
+
+TEST_CASE("a step that holds the shear rate has the forces of one that finds it") {
+    const bool alone = GENERATE(true, false);
+    Case input = scenes::two_layers(0.01, {0.12, 0.1, 0.11}, 0.05, true);
+    if (alone) {
+        input.sph.fluid.erase(input.sph.fluid.begin());
+        input.sph.fill.pop_back();
+        input.sph.fill[0].fluid = "slide";
+    }
+    input.sph.viscosity_solver = ViscositySolver::explicit_sums;
+    FluidSystem fluid(input, 0.2);
+    scenes::disturb(fluid, 0.15, 1, 2000);
+    fluid.refresh_neighbors(0);
+    for (int k = 0; k < 2; ++k) {  // viscosities that differ
+        fluid.pack(0);
+        fluid.sum_over_neighbors(Terms::both);
+    }
+    const Particles found = fluid.particles;
+    sum_over_neighbors(fluid.physics(), fluid.neighbors(), NoSlipImages(), Terms::both,
+                       fluid.particles, ShearRate::held);
+    double largest = 0, error = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        largest = std::max<double>(largest, std::abs(found.ax[i]));
+        error = std::max<double>(error, std::abs(found.ax[i] - fluid.particles.ax[i]));
+    }
+    CHECK(largest > 0);
+    CHECK(error < 1e-6 * largest);  // two loops of one formula: round-off
+    CHECK(found.viscosity == fluid.particles.viscosity);
 }
