@@ -1,5 +1,6 @@
 #include "sph_solver/coupling.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -59,7 +60,10 @@ class CoupledLink : public Link {
         mesh.mesh = "particles";
         mesh.kind = "particles";
         for (const Fluid& fluid : input.sph.fluid) mesh.groups.push_back(fluid.name);
-        mesh.radius = 0.5 * input.sph.spacing;
+        double widest = 0;  // the largest spacing; [m]
+        for (const Fluid& fluid : input.sph.fluid)
+            widest = std::max(widest, fluid.spacing > 0 ? fluid.spacing : input.sph.spacing);
+        mesh.radius = 0.5 * widest;
         participant_.announce(std::move(mesh));
         surface_ = participant_.wait_surface();
         boxes_ = surface_->boxes;
@@ -113,11 +117,10 @@ class CoupledLink : public Link {
         probe.flags = stop_requested() ? wire::state_stop : 0u;
         probe.work = s.work, probe.wait = waited();
         const Particles& p = fluid.particles;
-        const double radius = 0.5 * fluid.spacing();
         // rho c0^2 dx in 3D, rho c0^2 b in 2D: the force per penetration of a cell compressed by it
         std::vector<double> stiffness;   // [N/m] of each fluid
         for (const FluidLaw& f : fluid.fluids())
-            stiffness.push_back(f.mass * std::pow(f.c0 / fluid.spacing(), 2));
+            stiffness.push_back(f.mass * std::pow(f.c0 / f.spacing, 2));
         candidates_.clear();
         for (std::size_t i = 0; i < p.size(); ++i) {
             const double y = p.y[i] + middle_;
@@ -132,7 +135,7 @@ class CoupledLink : public Link {
             put(probe.x, x[0], x[1] + middle_, x[2]);
             put(probe.v, v[0], v[1], v[2]);
             probe.mass.push_back(fluid.fluid_of(i).mass);
-            probe.radius.push_back(radius);
+            probe.radius.push_back(0.5 * fluid.fluid_of(i).spacing);
             probe.stiffness.push_back(stiffness[p.fluid[i]]);
             probe.phase.push_back(p.fluid[i]);
         }

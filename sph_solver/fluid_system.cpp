@@ -28,6 +28,32 @@ constexpr double along_surface = 0.2;
 // Sound goes this far [dx] before a shear rate is found anew: within the support.
 constexpr double shear_rate_hold = 2;
 
+/// What knows one smoothing length only is not offered together with several.
+void refuse_with_sizes(const Case& input, const PairPhysics& p) {
+    const char* sizes = p.variable_smoothing ? "sph.variable_smoothing = true"
+                                             : "a sph.fluid.spacing other than sph.spacing";
+    const auto refuse = [&](const std::string& key, const char* instead) {
+        throw InputError(fmt::format(
+            "{}: {} does not go together with {}: it knows particles of one smoothing length "
+            "only. {}", input.file, key, sizes, instead));
+    };
+    if (p.shifting > 0) refuse("sph.shifting", "Set sph.shifting = 0.");
+    if (p.implicit_viscosity)
+        refuse("The implicit viscosity (sph.viscosity_solver, sph.viscous_form)",
+               "Set sph.viscosity_solver = \"explicit\", or lower the viscosity.");
+    if (!input.sph.inflow.empty() || !input.sph.outflow.empty())
+        refuse("An opening (sph.inflow, sph.outflow)", "Give all fluids the same spacing.");
+    if (input.sph.lattice == FillLattice::relaxed)
+        refuse("sph.lattice = \"relaxed\"", "Set sph.lattice = \"square\".");
+    const bool resolved = std::any_of(p.fluids.begin(), p.fluids.end(),
+                                      [](const FluidLaw& f) { return f.resolves_walls; });
+    for (const PlaneWall& plane : input.sph.plane)
+        if (resolved && plane.slip == Slip::no_slip)
+            refuse("slip = \"no_slip\" of sph.plane \"" + plane.name +
+                       "\" next to a fluid so viscous that the wall layer is resolved",
+                   "Set slip = \"free\" or a lower viscosity.");
+}
+
 PairPhysics resolve_physics(const Case& input) {
     PairPhysics p;
     p.kernel = input.sph.kernel;
@@ -35,6 +61,7 @@ PairPhysics resolve_physics(const Case& input) {
     p.dimension = input.info.dimension;
     p.artificial_viscosity = input.sph.artificial_viscosity;
     p.density_diffusion = input.sph.density_diffusion;
+    p.variable_smoothing = input.sph.variable_smoothing;
     p.gravity = balanced_gravity(input);
     p.shifting = input.sph.shifting;
     p.tension_control = input.sph.tension_control;
@@ -45,7 +72,34 @@ PairPhysics resolve_physics(const Case& input) {
     p.lattice_moment =
         lattice_moment(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
     p.viscous_form = input.sph.viscous_form;
+    if (p.sized()) refuse_with_sizes(input, p);
     return p;
+}
+
+/// Twice the largest smoothing length that may ever be [m].
+double largest_support(const PairPhysics& p) {
+    double h = p.h;
+    for (const FluidLaw& f : p.fluids) h = std::max(h, f.h);
+    return 2 * h * (p.variable_smoothing ? SmoothingLengths::largest : 1);
+}
+
+/// At the start, of the fluids and of the dummies of bodies.  [m]
+double support_of(const PairPhysics& p) {
+    double h = 0;
+    for (const FluidLaw& f : p.fluids) h = std::max(h, f.h);
+    return 2 * std::max(h, p.sized() ? p.h : h);
+}
+
+double finest_spacing(const PairPhysics& p) {
+    double dx = p.fluids[0].spacing;
+    for (const FluidLaw& f : p.fluids) dx = std::min(dx, f.spacing);
+    return dx;
+}
+
+double widest_of(const PairPhysics& p) {
+    double dx = 0;
+    for (const FluidLaw& f : p.fluids) dx = std::max(dx, f.spacing);
+    return dx;
 }
 
 }  // namespace
@@ -58,14 +112,17 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
                           [](const FluidLaw& f) { return f.us_up.gamma0 != 0; })),
       filled_(physics_.fluids.size(), 0),
       spacing_(input.sph.spacing),
+      dummy_volume_(std::pow(spacing_, physics_.dimension)),
       mirror_(input.sph.plane,
-              Periodic(input.sph.periodic, input.sph.domain, 2 * physics_.h)),
-      neighbors_(2 * physics_.h, skin_over_spacing * spacing_, spacing_),
+              Periodic(input.sph.periodic, input.sph.domain, largest_support(physics_))),
+      sizes_(physics_.sized(), physics_.variable_smoothing, physics_.dimension, physics_.h,
+             physics_.fluids),
+      neighbors_(support_of(physics_), skin_over_spacing * spacing_, finest_spacing(physics_)),
       with_surface_images_(input.sph.surface_images),
       domain_(input.sph.domain),
       openings_(input, physics_),
       absorbing_(input, physics_),
-      near_walls_(spacing_, mirror_.size(), static_cast<int>(input.sph.body.size()),
+      near_walls_(widest_of(physics_), mirror_.size(), static_cast<int>(input.sph.body.size()),
                   static_cast<int>(physics_.fluids.size())) {
     if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
     Filled filled = fill_particles(input, physics_.fluids);
@@ -112,6 +169,7 @@ void FluidSystem::sum_under_even_pressure() {
 
 /// Whether the lists still hold every pair; may pack the records to find out.
 bool FluidSystem::lists_hold() {
+    if (sizes_.outgrown()) return false;
     const bool images = surface_.placed();
     if (images && reach_ > along_surface * spacing_) return false;
     // who passes an opening is noticed at the next rebuild only, and shifts are found there
@@ -148,8 +206,10 @@ bool FluidSystem::refresh_neighbors(double t) {
     put_back_ += near_walls_.put_back(particles, bodies, periodic(), travelled_ + bodies_travelled_,
                                       support() + neighbors_.skin());
     remove_outside();
-    neighbors_.rebuild(particles, bodies, mirror_);
-    if (physics_.mixed()) neighbors_.find_fluids(particles);
+    neighbors_.rebuild(particles, bodies, mirror_, sizes_.used() ? &sizes_ : nullptr);
+    if (sizes_.variable()) sizes_.cap(neighbors_);
+    if (physics_.mixed())
+        neighbors_.find_fluids(particles, sizes_.used() ? FluidBits(~FluidBits(0)) : FluidBits(0));
     for (std::size_t i = 0; i < particles.size(); ++i)
         index_[particles.id[i]] = static_cast<int>(i);
     openings_.locate(particles, index_, neighbors_);
@@ -230,6 +290,11 @@ void FluidSystem::pack_fluid() {
             pack_one(i, fluid, fluid.rho0 * fluid.volume);
         }
     }
+    if (sizes_.variable()) {
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i)
+            neighbors_.smoothing()[i] = sizes_.now(i, s.fluid[i], s.drho[i]);
+    }
     if (s.viscosity.empty()) return;
 #pragma omp for schedule(static)
     for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = s.viscosity[i];
@@ -258,6 +323,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
         if (body != of_bodies) continue;
         const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
         if (viscous) viscosity[e] = body ? bodies.viscosity[s] : particles.viscosity[s];
+        if (sizes_.variable() && !body)
+            neighbors_.smoothing()[neighbors_.first_extra() + e] = neighbors_.smoothing()[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
         if (!body && mirror.diagonal) {   // the usual tank: from record to record
             const Packed from = fluid_records[s];
@@ -293,7 +360,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
         q.y = fixed(iy, fixed.y0);
         q.z = fixed(iz, fixed.z0);
         const double share = body ? bodies.share[s] : 1;
-        q.volume = tag(share * fluid.rho0 * fluid.volume / (fluid.rho0 + drho), own);
+        const double rest = body && sizes_.used() ? dummy_volume_ : fluid.volume;
+        q.volume = tag(share * fluid.rho0 * rest / (fluid.rho0 + drho), own);
         q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
         q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
         q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
@@ -334,6 +402,11 @@ std::vector<Vec3> FluidSystem::wall_forces() const {
 }
 
 void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
+    if (with_surface_images_ && sizes_.used())
+        throw InputError(
+            "sph.surface_images = true does not go together with sph.variable_smoothing or with a "
+            "sph.fluid.spacing other than sph.spacing: the images behind the coupled surface know "
+            "particles of one smoothing length only. Set sph.surface_images = false.");
     for (const Periodic::Axis& a : periodic().axes())
         for (const std::int32_t node : quad) {
             const double at = x[3 * std::size_t(node) + a.axis];
@@ -511,6 +584,23 @@ int FluidSystem::limiting_particle(const std::string& limiter) const {
     return worst;
 }
 
+double FluidSystem::widest_spacing() const { return widest_of(physics_); }
+
+double FluidSystem::least_smoothing() const {
+    double h = physics_.fluids[0].h;
+    for (const FluidLaw& f : physics_.fluids) h = std::min(h, f.h);
+    // until the next rebuild it may still become a little smaller
+    return sizes_.variable() && sizes_.least() > 0 ? sizes_.least() / SmoothingLengths::room : h;
+}
+
+double FluidSystem::limiting_sound_speed() const {
+    const double least = least_smoothing();
+    double c0 = 0;
+    for (const FluidLaw& f : physics_.fluids)
+        c0 = std::max(c0, sizes_.variable() ? f.c0 : f.c0 * (least / f.h));
+    return c0;
+}
+
 double FluidSystem::largest_sound_speed() const {
     double c0 = 0;
     for (const FluidLaw& f : physics_.fluids) c0 = std::max(c0, f.c0);
@@ -568,14 +658,17 @@ void FluidSystem::remove_outside() {
 double FluidSystem::mean_neighbors() const {
     const std::vector<Packed>& records = neighbors_.records();
     const ClusterLists& lists = neighbors_.fluid_lists();
-    const double r2 = std::pow(support() / neighbors_.fixed().unit, 2);
+    const double h = 0.5 * support() / neighbors_.fixed().unit;
+    const std::vector<float>& each = neighbors_.smoothing();   // empty where all have the same
+    const auto h_of = [&](int j) { return each.empty() ? h : each[j] / neighbors_.fixed().unit; };
     std::int64_t pairs = 0;
     for (int i = 0; i < neighbors_.fluid_count(); ++i)
         for (const int* at = lists.begin(i / lanes); at != lists.end(i / lanes); ++at) {
             const double dx = double(records[i].x) - records[*at].x,
                          dy = double(records[i].y) - records[*at].y,
                          dz = double(records[i].z) - records[*at].z;
-            pairs += *at != i && dx * dx + dy * dy + dz * dz < r2;
+            const double r = h_of(i) + h_of(*at);
+            pairs += *at != i && dx * dx + dy * dy + dz * dz < r * r;
         }
     return neighbors_.fluid_count() ? double(pairs) / neighbors_.fluid_count() : 0;
 }

@@ -103,7 +103,12 @@ class FluidSystem {
     double reach() const { return reach_; }       // bound on displacement since the last rebuild [m]
     double travelled() const { return travelled_; }   // the same since the start [m]
     double fastest() const { return fastest_; }       // largest speed [m/s]
-    double spacing() const { return spacing_; }   // [m]
+    double spacing() const { return spacing_; }   // of sph.spacing [m]
+    double widest_spacing() const;                // of the fluids [m]
+    const SmoothingLengths& sizes() const { return sizes_; }
+    double least_smoothing() const;               // of any particle [m]
+    /// The largest c0 (least h)/h of a fluid: the sound that limits a step of the least h.  [m/s]
+    double limiting_sound_speed() const;
     double support() const { return neighbors_.support(); }
     const PairPhysics& physics() const { return physics_; }
     const std::vector<FluidLaw>& fluids() const { return physics_.fluids; }
@@ -153,8 +158,10 @@ class FluidSystem {
     std::vector<float> heating_;    // by friction [W/kg]; only where heated
     std::vector<std::int64_t> filled_;
     double spacing_;
+    double dummy_volume_;           // of a whole dummy of a body [m^d]
     MirrorPlanes mirror_;
     std::vector<FixedReflection> fixed_reflections_;   // [2^planes]
+    SmoothingLengths sizes_;
     Neighborhood neighbors_;
     NoSlipImages no_slip_;
     SurfaceImages surface_;

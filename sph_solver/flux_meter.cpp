@@ -33,7 +33,7 @@ bool FluxMeter::inside(const FluidSystem& fluid, std::size_t i, double& beyond) 
 }
 
 void FluxMeter::count(const FluidSystem& fluid) {
-    const double near = 2 * fluid.spacing();  // further than any step
+    const double near = 2 * fluid.widest_spacing();  // further than any step
     const Particles& p = fluid.particles;
     for (std::size_t i = 0; i < p.size(); ++i) {
         if (p.id[i] >= static_cast<std::int64_t>(side_.size())) side_.resize(p.id[i] + 1, 0);

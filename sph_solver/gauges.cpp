@@ -20,7 +20,12 @@ PointValue interpolate_with(const KernelLaw& kernel, const FluidSystem& fluid, c
         const double dx = fixed.x0 + q.x * fixed.unit - point[0],
                      dy = fixed.y0 + q.y * fixed.unit - point[1],
                      dz = fixed.z0 + q.z * fixed.unit - point[2];
-        const double w = q.volume * kernel.value(std::sqrt(dx * dx + dy * dy + dz * dz));
+        double r = std::sqrt(dx * dx + dy * dy + dz * dz), w = q.volume;
+        if (!near.smoothing().empty()) {   // W of the record's own length
+            const double nearer = fluid.physics().h / near.smoothing()[j];
+            r *= nearer, w *= std::pow(nearer, fluid.physics().dimension);
+        }
+        w *= kernel.value(r);
         value.filled += w;
         value.p += w * q.p;
     });
@@ -56,10 +61,11 @@ double front_position(const FluidSystem& fluid, const Vec3& direction) {
         return (p.x[i] * direction[0] + p.y[i] * direction[1] + p.z[i] * direction[2]) / length;
     };
     // One sweep: a particle is asked for neighbors only if it lies ahead of the best one so far.
-    double best = -std::numeric_limits<double>::infinity();
+    double best = -std::numeric_limits<double>::infinity(), half = 0;
     for (std::size_t i = 0; i < p.size(); ++i)
-        if (along(i) > best && has_neighbor(fluid, i)) best = along(i);
-    return best + 0.5 * fluid.spacing();
+        if (along(i) > best && has_neighbor(fluid, i))
+            best = along(i), half = 0.5 * fluid.fluid_of(i).spacing;
+    return best + half;
 }
 
 double water_level(const FluidSystem& fluid, double x, double y) {

@@ -181,6 +181,11 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.particle_steps_per_busy_s", computing > 0 ? f.particle_steps / computing : 0);
     s.set("sph.neighbors_mean", fluid.mean_neighbors());
     s.set("sph.list_rebuilds", fluid.rebuilds());
+    if (fluid.sizes().variable()) {
+        s.set("sph.smoothing.capped", fluid.sizes().capped());
+        s.set("sph.smoothing.capped_most", fluid.sizes().most_capped());
+        s.set("sph.smoothing.least", fluid.least_smoothing());
+    }
     s.set("sph.sound_speed", c0);
     s.set("sph.max_speed", f.max_speed);
     s.set("sph.max_mach", f.max_speed / c0);

@@ -99,6 +99,12 @@ int run(const Case& input, const SolverOptions& options) {
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
                          fluid.particles.size(), fluid.spacing(), c0, threads));
     for (std::size_t k = 0; k < fluid.fluids().size(); ++k)
+        if (fluid.sizes().used())
+            log_info(fmt::format("fluid \"{}\": spacing {:.4g} m, smoothing length {:.4g} m{}",
+                                 input.sph.fluid[k].name, fluid.fluids()[k].spacing,
+                                 fluid.fluids()[k].h,
+                                 fluid.sizes().variable() ? ", follows from density" : ""));
+    for (std::size_t k = 0; k < fluid.fluids().size(); ++k)
         if (fluid.fluids()[k].viscoplastic())
             log_info(fmt::format("fluid \"{}\": viscosity at most {:.4g} Pa s{}",
                                  input.sph.fluid[k].name, fluid.fluids()[k].rheology.max_viscosity,
@@ -150,7 +156,7 @@ int run(const Case& input, const SolverOptions& options) {
         for (std::int64_t n = 0;; ++n) {
             Stopwatch watch;
             const StableStep stable =
-                stable_step({fluid.physics().h, c0, health.max_speed, health.max_acceleration,
+                stable_step({fluid.least_smoothing(), fluid.limiting_sound_speed(), health.max_speed, health.max_acceleration,
                              health.max_kinematic_viscosity},
                             cfl, input.sph.force_cfl);
             if (alone)
@@ -171,7 +177,8 @@ int run(const Case& input, const SolverOptions& options) {
                 watch.lap(figures.pack);
             }
             const double one_pass_dt =
-                one_pass_cfl * fluid.physics().h / (c0 + health.max_speed);
+                one_pass_cfl * fluid.least_smoothing() /
+                (fluid.limiting_sound_speed() + health.max_speed);
             const bool two_pass = takes_two_passes(integrator, dt, one_pass_dt);
             fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
             fluid.add_wall_friction();

@@ -59,6 +59,7 @@ enum class ViscousForm { laplacian, strain };
 struct Fluid {                           // [[sph.fluid]]
     std::string name;
     double density = 1000;               // [kg/m3] at zero pressure
+    double spacing = 0;                  // [m] dx of its own particles; 0 = sph.spacing
     double viscosity = 0;                // [Pa s] dynamic; of the Newtonian part of a viscoplastic fluid
     // Herschel-Bulkley: tau = yield_stress + consistency gammadot^flow_index, where either is > 0
     double yield_stress = 0;             // [Pa]
@@ -183,6 +184,7 @@ struct SphSettings {
     double spacing = 0;                  // [m] dx
     Kernel kernel = Kernel::wendland_c2; // "cubic_spline", "wendland_c2", "wendland_c4"
     double smoothing_ratio = 1.2;        // h/dx; support radius 2h; default in the plane: 1.5
+    bool variable_smoothing = false;     // h = h0 (rho0/rho)^(1/d), at most 140 neighbors
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
     ViscositySolver viscosity_solver = ViscositySolver::automatic;   // "auto", "explicit", "implicit"

@@ -86,6 +86,7 @@ Json with_shape(Json j, const Shape& v) {
 void to_json(Json& j, const Fluid& v) {
     j = {{"name", v.name},
          {"density", v.density},
+         {"spacing", v.spacing > 0 ? Json(v.spacing) : Json("sph.spacing")},
          {"viscosity", v.viscosity},
          {"yield_stress", v.yield_stress},
          {"consistency", v.consistency},
@@ -178,6 +179,7 @@ void to_json(Json& j, const SphSettings& v) {
     j = {{"spacing", v.spacing},
          {"kernel", name(v.kernel)},
          {"smoothing_ratio", v.smoothing_ratio},
+         {"variable_smoothing", v.variable_smoothing},
          {"density_diffusion", v.density_diffusion},
          {"artificial_viscosity", v.artificial_viscosity},
          {"viscosity_solver", name(v.viscosity_solver)},

@@ -16,6 +16,7 @@ void read_fluid(TableReader& reader, Fluid& fluid) {
     reader.require("density", "the density in kg/m3 at zero pressure");
     reader.text("name", fluid.name);
     reader.number("density", fluid.density, positive("kg/m3"));
+    reader.number("spacing", fluid.spacing, positive("m"));
     reader.number("viscosity", fluid.viscosity, at_least(0, "Pa s"));
     reader.number("yield_stress", fluid.yield_stress, at_least(0, "Pa"));
     reader.number("consistency", fluid.consistency, at_least(0, "Pa s^n"));
@@ -48,7 +49,10 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
     for (const Fluid& fluid : sph.fluid) fluids.push_back(fluid.name);
     reader.word("fluid", fill.fluid, fluids);
     reader.box("box", fill.box, axes_of(info));
-    require_one_spacing(reader, fill.box, sph.spacing, info);
+    double spacing = sph.spacing;
+    for (const Fluid& fluid : sph.fluid)
+        if (fluid.name == fill.fluid && fluid.spacing > 0) spacing = fluid.spacing;
+    require_one_spacing(reader, fill.box, spacing, info);
     reader.polygon("profile", fill.profile);
     read_cylinder_or_stl(reader, fill.within, info);
     reader.vector("velocity", fill.velocity, fill.velocity_field, "xyz", "m/s");
@@ -92,6 +96,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
     // In the plane 20 neighbors (1.2) do not hold a lattice; 45 cost a quarter more.
     if (info.dimension == 2) sph.smoothing_ratio = 1.5;
     reader.number("smoothing_ratio", sph.smoothing_ratio, closed(0.8, 3));
+    reader.flag("variable_smoothing", sph.variable_smoothing);
     reader.number("density_diffusion", sph.density_diffusion, closed(0, 1));
     reader.number("artificial_viscosity", sph.artificial_viscosity, closed(0, 2));
     reader.choice<ViscositySolver>("viscosity_solver", sph.viscosity_solver,

@@ -117,7 +117,10 @@ std::vector<Dummy> fill_lattice(const RigidBody& body, const Case& input, double
 }  // namespace
 
 std::vector<Dummy> place_dummies(const RigidBody& body, const Case& input) {
-    const double dx = input.sph.spacing, depth = 2 * input.sph.smoothing_ratio * dx;
+    const double dx = input.sph.spacing;
+    double widest = dx;  // of those that meet the dummies
+    for (const Fluid& f : input.sph.fluid) widest = std::max(widest, 0.5 * (dx + f.spacing));
+    const double depth = 2 * input.sph.smoothing_ratio * widest;
     const Shape& shape = body.body().shape;
     const bool box = shape.box && shape.profile.empty() && !body.body().inside;
     return box ? fill_box(body, dx, depth, input.info.dimension == 2)

@@ -52,7 +52,7 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
     const std::vector<Extra>& extras = neighbors.extras();
     const FixedPoint& fixed = neighbors.fixed();
     const int fluid_count = neighbors.fluid_count();
-    const double r_max2 = 4 * physics.h * physics.h;
+    const bool sized = physics.sized();
     const bool viscous = physics.viscoplastic(), mixed = physics.mixed();
     const int n = static_cast<int>(targets.size());
 #pragma omp parallel for schedule(dynamic, 64)
@@ -71,8 +71,13 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
             const double dx = (px - q.x) * fixed.unit, dy = (py - q.y) * fixed.unit,
                          dz = (pz - q.z) * fixed.unit;
             const double r2 = dx * dx + dy * dy + dz * dz;
-            if (r2 >= r_max2) continue;
-            const double w = kernel.value(std::sqrt(r2));
+            // dummies have the size of sph.spacing
+            const double nearer =
+                sized ? 2 * physics.h / (physics.h + neighbors.smoothing()[*at]) : 1;
+            if (r2 * nearer * nearer >= 4 * physics.h * physics.h) continue;
+            // where sizes differ, a weight counts by volume
+            const double w = kernel.value(nearer * std::sqrt(r2)) *
+                             (sized ? std::pow(nearer, physics.dimension) * q.volume : 1);
             sum.weight += w;
             const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
             sum.share[own] += w;
@@ -81,7 +86,8 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
             const Vec3 v = shown(*at, neighbors, mirror, reflected);
             // the weight of a viscous pair: then the dummy as a whole takes no shear force
-            const double f = q.volume * KernelLaw::gradient_factor(r2, 1 / physics.h);
+            const double f = q.volume * KernelLaw::gradient_factor(r2 * nearer * nearer, 1 / physics.h) *
+                             (sized ? std::pow(nearer, physics.dimension + 2) : 1);
             sum.moving += f;
             for (int a = 0; a < 3; ++a) sum.u[a] += f * v[a];
         }

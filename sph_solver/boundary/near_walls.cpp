@@ -63,7 +63,7 @@ void NearWalls::find(const Particles& particles, const MirrorPlanes& mirror, con
                      const std::vector<int>& index, double skin) {
     rubbing_.clear();
     near_.clear();
-    const double range = shear_range * spacing_ + skin;
+    const double range = shear_range * widest_ + skin;
     for (int k = 0; k < mirror.size(); ++k) {
         if (mirror.plane(k).slip == Slip::free_slip) continue;
         for (std::size_t i = 0; i < particles.size(); ++i)
@@ -123,7 +123,8 @@ void NearWalls::add_stress(const PairPhysics& physics, const MirrorPlanes& mirro
                                                  : bodies.body[r.wall - mirror.size()].body().slip;
         if (slip != Slip::no_slip) continue;
         const auto [z, n, wall] = place(r, mirror, bodies, particles);
-        const double weight = 1 - std::abs(z - 0.5 * spacing_) / spacing_;
+        const FluidLaw& fluid = physics.fluids[particles.fluid[i]];
+        const double dx = fluid.spacing, weight = 1 - std::abs(z - 0.5 * dx) / dx;
         if (!(weight > 0)) continue;
         const double vx = particles.vx[i] - wall[0], vy = particles.vy[i] - wall[1],
                      vz = particles.vz[i] - wall[2];
@@ -131,14 +132,13 @@ void NearWalls::add_stress(const PairPhysics& physics, const MirrorPlanes& mirro
         const double ux = vx - vn * n[0], uy = vy - vn * n[1], uz = vz - vn * n[2];
         const double u = std::sqrt(ux * ux + uy * uy + uz * uz);
         if (!(u > 0)) continue;
-        const FluidLaw& fluid = physics.fluids[particles.fluid[i]];
         // resolved layers have the shear of the pair sums: of the images behind planes (see
         // no_slip_images.hpp), of all walls where the viscous update is implicit
         if (r.wall < mirror.size() ? fluid.resolves_walls : physics.implicit_viscosity) continue;
-        const double height = std::max(z, 0.1 * spacing_);
+        const double height = std::max(z, 0.1 * dx);
         const LawOfTheWall law{fluid.rho0,
                                fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
-        const double deceleration = weight * law(u, height) / (law.rho * spacing_) / u;
+        const double deceleration = weight * law(u, height) / (law.rho * dx) / u;
         particles.ax[i] -= static_cast<float>(deceleration * ux);
         particles.ay[i] -= static_cast<float>(deceleration * uy);
         particles.az[i] -= static_cast<float>(deceleration * uz);
@@ -159,7 +159,8 @@ void NearWalls::add_coulomb(const PairPhysics& physics, const Vec3& gravity,
         const double mu = plane ? mirror.plane(r.wall).friction : body->friction;
         const int i = r.particle;
         const auto [z, n, wall] = place(r, mirror, bodies, s);
-        const double weight = 1 - std::abs(z - 0.5 * spacing_) / spacing_;
+        const FluidLaw& fluid = physics.fluids[s.fluid[i]];
+        const double dx = fluid.spacing, weight = 1 - std::abs(z - 0.5 * dx) / dx;
         if (!(weight > 0)) continue;
         // where the kick would lead without friction
         const Vec3 next{s.vx[i] + kick * (s.ax[i] + s.fx[i] + gravity[0]),
@@ -169,10 +170,9 @@ void NearWalls::add_coulomb(const PairPhysics& physics, const Vec3& gravity,
         const Vec3 slip = relative - dot(relative, n) * n;
         const double u = length(slip);
         if (!(u > 0)) continue;
-        const FluidLaw& fluid = physics.fluids[s.fluid[i]];
         const double pressure = std::max(0.0, s.p[i] - fluid.rho0 * z * dot(physics.gravity, n));
         const double friction =
-            std::min(mu * pressure * weight / (fluid.rho0 * spacing_), u / kick);
+            std::min(mu * pressure * weight / (fluid.rho0 * dx), u / kick);
         const Vec3 a = (-friction / u) * slip;
         s.ax[i] += static_cast<float>(a[0]);
         s.ay[i] += static_cast<float>(a[1]);

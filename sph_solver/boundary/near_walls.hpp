@@ -13,8 +13,9 @@ namespace undertow::sph {
 
 class NearWalls {
  public:
-    NearWalls(double spacing, int planes, int bodies, int fluids)
-        : spacing_(spacing),
+    /// widest: the largest spacing of the fluids [m].
+    NearWalls(double widest, int planes, int bodies, int fluids)
+        : widest_(widest),
           planes_(planes),
           fluids_(fluids),
           stress_(std::size_t(planes + bodies) * fluids, Vec3{}),
@@ -78,7 +79,7 @@ class NearWalls {
         return forces[r.wall * fluids_ + particles.fluid[r.particle]];
     }
 
-    double spacing_;  // [m]
+    double widest_;  // [m]
     int planes_, fluids_;
     std::vector<Vec3> stress_, coulomb_;  // [N], [walls, fluids]
     std::vector<Rubbing> rubbing_;        // beside rough walls

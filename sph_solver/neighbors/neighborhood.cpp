@@ -152,14 +152,38 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
     }
 }
 
-void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror) {
+void Neighborhood::find_smoothing(const Particles& particles, const SmoothingLengths& sizes) {
+    const int n = static_cast<int>(records_.size());
+    const float room = sizes.variable() ? static_cast<float>(SmoothingLengths::room) : 1.0f;
+    smoothing_.resize(n);
+    listed_.resize(n);
+#pragma omp parallel for schedule(static)
+    for (int j = 0; j < n; ++j) {
+        const Extra* e = j < fluid_count_ ? nullptr : &extras_[j - fluid_count_];
+        const int i = e ? e->source : j;
+        smoothing_[j] = static_cast<float>(e && e->from_body
+                                               ? sizes.of_dummies()
+                                               : sizes.of(particles.fluid[i], particles.drho[i]));
+        listed_[j] = smoothing_[j] * room;
+    }
+}
+
+void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror,
+                           const SmoothingLengths* sizes) {
     fluid_count_ = static_cast<int>(particles.size());
+    if (sizes && sizes->variable()) {
+        support_ = 2 * SmoothingLengths::room *
+                   std::max(sizes->largest_of(particles), bodies.size() ? sizes->of_dummies() : 0);
+        goes_ = 1.5 * support_;
+    }
     lay_out_grid(particles, mirror.periodic(), bodies.size() > 0);
     sort(particles);
     find_extras(particles, bodies, mirror);
+    if (sizes) find_smoothing(particles, *sizes);
+    const std::vector<float>* listed = sizes ? &listed_ : nullptr;
     const double range = support_ + skin_;
     fluid_lists_.build(grid_, fixed_, records_, 0, fluid_count_,
-                       {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
+                       {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
 
     borders_.clear();
     for (int k = 0; k < mirror.size(); ++k)
@@ -177,14 +201,15 @@ void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const Mir
         if (extras_[k].from_body && extras_[k].mask == 0) {
             body_targets_.push_back(extras_[k].source);
             body_records_.push_back(records_[fluid_count_ + k]);
+            if (sizes) listed_.push_back(listed_[fluid_count_ + k]);
         }
     body_lists_.build(grid_, fixed_, body_records_,
                        static_cast<int>(fluid_count_ + extras_.size()),
                        static_cast<int>(body_targets_.size()),
-                       {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range);
+                       {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
 }
 
-void Neighborhood::find_fluids(const Particles& particles) {
+void Neighborhood::find_fluids(const Particles& particles, FluidBits dummies) {
     const int records = static_cast<int>(records_.size()), clusters = fluid_lists_.clusters();
     record_fluid_.resize(records);
     fluids_.resize(clusters);
@@ -195,7 +220,7 @@ void Neighborhood::find_fluids(const Particles& particles) {
             const bool extra = j >= fluid_count_;
             const Extra* e = extra ? &extras_[j - fluid_count_] : nullptr;
             record_fluid_[j] = extra && e->from_body
-                                   ? 0
+                                   ? dummies
                                    : FluidBits(1u << particles.fluid[extra ? e->source : j]);
         }
 #pragma omp for schedule(static)

@@ -8,6 +8,7 @@
 #include "sph_solver/boundary/bodies.hpp"
 #include "sph_solver/neighbors/cluster_lists.hpp"
 #include "sph_solver/neighbors/drift_watch.hpp"
+#include "sph_solver/neighbors/smoothing_lengths.hpp"
 #include "sph_solver/particles.hpp"
 
 namespace undertow::sph {
@@ -31,7 +32,7 @@ using FluidBits = std::uint8_t;   // bit k: fluid k
 
 class Neighborhood {
  public:
-    /// support: 2h [m]; skin [m]; spacing dx [m].
+    /// support: 2h [m], where lengths differ of the largest; skin [m]; spacing dx [m], the finest.
     Neighborhood(double support, double skin, double spacing)
         : support_(support),
           skin_(skin),
@@ -39,10 +40,12 @@ class Neighborhood {
           goes_(1.5 * support) {}
 
     /// Sorts the particles (all arrays), finds the extras, and builds all lists.
-    void rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
+    void rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror,
+                 const SmoothingLengths* sizes = nullptr);
     /// Finds out which fluids each cluster holds and meets; to be called after a rebuild where there
-    /// are several. Other clusters run as if their fluid were the only one.
-    void find_fluids(const Particles& particles);
+    /// are several. Other clusters run as if their fluid were the only one. dummies: what they count
+    /// as, for dummies of another size all fluids.
+    void find_fluids(const Particles& particles, FluidBits dummies = 0);
 
     /// Whether a pair may be missing from the lists: surely not while nothing has moved by half the
     /// skin, surely where anything has moved farther than the lists look out for it; in between
@@ -76,6 +79,9 @@ class Neighborhood {
     /// Viscosity of each record [Pa s], [records]; empty where no fluid is viscoplastic.
     std::vector<float>& viscosity() { return viscosity_; }
     const std::vector<float>& viscosity() const { return viscosity_; }
+    /// Smoothing length of each record [m], [records]; empty where all have the same.
+    std::vector<float>& smoothing() { return smoothing_; }
+    const std::vector<float>& smoothing() const { return smoothing_; }
     /// Of each particle as of the last rebuild, padded to full clusters; empty where nobody asks.
     std::vector<Depth>& depth() { return depth_; }
     const std::vector<Depth>& depth() const { return depth_; }
@@ -99,6 +105,7 @@ class Neighborhood {
     void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_bodies);
     double image_range(const Periodic& periodic) const;   // [m]
     void sort(Particles& particles);
+    void find_smoothing(const Particles& particles, const SmoothingLengths& sizes);
     void find_extras(const Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
 
     double support_, skin_, spacing_;   // [m]
@@ -124,6 +131,7 @@ class Neighborhood {
     std::vector<ClusterFluids> fluids_;        // [clusters]
     std::vector<FluidBits> record_fluid_;      // one bit, none for a dummy, [records]
     std::vector<float> viscosity_, scratch_float_;
+    std::vector<float> smoothing_, listed_;    // listed_: as lists were made for [m]
     std::vector<Depth> depth_;
 };
 

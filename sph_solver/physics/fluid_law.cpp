@@ -78,7 +78,9 @@ FluidLaw resolve_fluid(const Case& input, const Fluid& f) {
     law.us_up = {law.rho0, law.c0, f.hugoniot_slope, f.gruneisen};
     law.tait = {law.rho0, law.c0, f.tait_exponent};
     law.rheology = {f.yield_stress, f.consistency, f.flow_index, f.viscosity, f.max_viscosity};
-    const double dx = input.sph.spacing;
+    const double dx = f.spacing > 0 ? f.spacing : input.sph.spacing;
+    law.spacing = dx;
+    law.h = input.sph.smoothing_ratio * dx;
     law.volume = input.info.dimension == 3 ? dx * dx * dx : dx * dx;
     law.mass = law.rho0 * law.volume * (input.info.dimension == 3 ? 1 : input.info.thickness);
     return law;

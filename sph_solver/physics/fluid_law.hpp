@@ -13,6 +13,8 @@ struct FluidLaw {
     double rho0 = 1000;  // [kg/m3]
     double c0 = 1;       // [m/s]
     double mu = 0;       // [Pa s] Newtonian; of a viscoplastic fluid its Newtonian part
+    double spacing = 0;  // dx of its particles [m]
+    double h = 0;        // their smoothing length at rho0 [m]
     double volume = 0;   // of a particle at rho0 [m^d]
     double mass = 0;     // of a particle, true mass also in 2D [kg]
     EquationOfState equation_of_state = EquationOfState::us_up;

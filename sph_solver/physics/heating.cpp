@@ -12,7 +12,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
          std::vector<float>& heating) {
     const double unit = neighbors.fixed().unit;
     const Mixture<float> mixture(physics, kernel.scale(), unit);
-    const bool variable = physics.viscoplastic(), mixed = physics.mixed();
+    const bool variable = physics.viscoplastic(), mixed = physics.mixed(), sized = physics.sized();
     const Packed* records = neighbors.records().data();
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
@@ -24,6 +24,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
         Lanes i = load_cluster(records, first, n);
         MixedLanes m;
         look_up(mixture, records, mu, first, n, i.own, m, mixed);
+        const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
         float8 shock{}, shear{};
         for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
             const Packed& j = records[*at];
@@ -31,9 +32,17 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
             const float8 vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
             const Meeting<float8>& with = m.with[mixed ? FluidTag::of(j) : 0];
             const float8 r2 = (dx * dx + mixture.constants.tiny) + dy * dy + dz * dz;
-            const float8 F = KernelLaw::gradient_factor(r2, mixture.constants.inverse_h) * j.volume;
+            float8 F = float8{} + j.volume, length = float8{} + 1.0f;
+            if (sized) {
+                const PairSize<float8> size = own_size.with(*at);
+                length = size.length;
+                F *= size.factor * KernelLaw::gradient_factor(r2 * size.nearer2,
+                                                              mixture.constants.inverse_h);
+            } else {
+                F *= KernelLaw::gradient_factor(r2, mixture.constants.inverse_h);
+            }
             const float8 closing = negative_part(vx * dx + vy * dy + vz * dz);
-            shock += F * with.shock * (closing * closing) * precise_reciprocal(r2);
+            shock += F * with.shock * length * (closing * closing) * precise_reciprocal(r2);
             const float8 pair_mu = variable ? harmonic_mean(i.own.mu, mu[*at]) : with.mu;
             shear += F * pair_mu * (vx * vx + vy * vy + vz * vz);
         }

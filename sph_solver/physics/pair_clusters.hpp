@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <vector>
 
 #include "sph_solver/physics/pair_factors.hpp"
 #include "sph_solver/simd.hpp"
@@ -64,6 +65,25 @@ inline void look_up(const Mixture<float>& mixture, const Packed* records, const 
         }
     }
 }
+
+/// Smoothing lengths of the lanes, to meet those of the records.
+class OwnSize {
+ public:
+    /// smoothing: [m] of the records, or null where no size is asked for.
+    OwnSize(const PairPhysics& physics, const std::vector<float>* smoothing, int first, int last)
+        : flat_(physics.dimension == 2), per_length_(static_cast<float>(0.5 / physics.h)) {
+        if (!smoothing) return;
+        of_ = smoothing->data();
+        for (int k = 0; k < lanes; ++k) own_[k] = of_[std::min(first + k, last - 1)] * per_length_;
+    }
+    PairSize<float8> with(int record) const { return {own_, of_[record] * per_length_, flat_}; }
+
+ private:
+    bool flat_;
+    float per_length_;  // 1/(2 h0) [1/m]
+    const float* of_ = nullptr;
+    float8 own_{};
+};
 
 /// What an image behind a no-slip plane adds to viscous forces and shear rate, see no_slip_images.hpp.
 template <class KernelLaw, Content content>

@@ -18,13 +18,13 @@ struct Factors {
                       // equal and opposite
 };
 
-/// Constants of the loop over one fluid.
+/// Constants of the loop over one fluid. scale: of its kernel, see scale_of.
 template <class Scalar>
 PairConstants<Scalar> pair_constants(const PairPhysics& p, const FluidLaw& f, double unit) {
-    const double h = p.h / unit;
+    const double h = f.h / unit;
     return {Scalar(1 / h),
             Scalar(1e-6 * h * h),
-            Scalar(p.artificial_viscosity * p.h * f.c0 * f.rho0 / unit),
+            Scalar(p.artificial_viscosity * f.h * f.c0 * f.rho0 / unit),
             Scalar(f.rho0 * p.gravity[0] * unit),
             Scalar(f.rho0 * p.gravity[1] * unit),
             Scalar(f.rho0 * p.gravity[2] * unit)};
@@ -34,7 +34,12 @@ template <class Scalar>
 Factors<Scalar> factors(const PairPhysics& p, const FluidLaw& f, double scale, double unit) {
     scale /= p.lattice_moment;
     return {Scalar(scale * unit), Scalar(p.implicit_viscosity ? 0 : 2 * f.mu * scale),
-            Scalar(2 * p.density_diffusion * p.h * scale / f.c0), Scalar(1 / (f.rho0 * f.volume))};
+            Scalar(2 * p.density_diffusion * f.h * scale / f.c0), Scalar(1 / (f.rho0 * f.volume))};
+}
+
+/// Of a fluid whose h is another than that of `scale`: proportional to h^-(d+2).
+inline double scale_of(const PairPhysics& p, const FluidLaw& f, double scale) {
+    return f.h == p.h ? scale : scale * std::pow(p.h / f.h, p.dimension + 2);
 }
 
 /// What the loop over several fluids looks up by their indices.
@@ -49,12 +54,13 @@ struct Mixture {
     Mixture(const PairPhysics& p, double scale, double unit)
         : fluids(static_cast<int>(p.fluids.size())) {
         FluidLaw none;  // its part of the constants is in the tables
-        none.rho0 = 1, none.c0 = 0;
+        none.rho0 = 1, none.c0 = 0, none.h = p.h;
         constants = pair_constants<Scalar>(p, none, unit);
         gradient = Scalar(scale / p.lattice_moment * unit);
         viscous = Scalar(p.implicit_viscosity ? 0 : 2 * scale / p.lattice_moment);
         for (int a = 0; a < fluids; ++a) {
-            const FluidLaw& f = p.fluids[a];
+            FluidLaw f = p.fluids[a];
+            f.h = p.h;  // lengths of pairs are relative to it, see PairSize
             const auto own = factors<Scalar>(p, f, scale, unit);
             rho0[a] = Scalar(f.rho0), diffusive[a] = own.diffusive, per_mass[a] = own.per_mass;
             for (int b = 0; b < fluids; ++b) {

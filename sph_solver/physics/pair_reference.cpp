@@ -13,7 +13,8 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
     const double unit = neighbors.fixed().unit;
     const Mixture<double> mixture(physics, kernel.scale(), unit);
     const auto& records = neighbors.records();
-    const bool mixed = physics.mixed(), variable = physics.viscoplastic();
+    const std::vector<float>& h_of = neighbors.smoothing();  // empty unless sized
+    const bool sized = physics.sized(), mixed = physics.mixed(), variable = physics.viscoplastic();
     const auto fluid_of = [&](const Packed& j) { return mixed ? FluidTag::of(j) : 0; };
     const auto viscosity_of = [&](std::size_t j) {
         return variable ? double(neighbors.viscosity()[j])
@@ -34,11 +35,13 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
             const Packed& j = records[at];
             const double dx = to_real(q.x - j.x, 0.0), dy = to_real(q.y - j.y, 0.0),
                          dz = to_real(q.z - j.z, 0.0);
-            if (dx * dx + dy * dy + dz * dz > 4.01 * physics.h * physics.h / (unit * unit))
-                continue;
-            add_pair<KernelLaw, Terms::both, Content::sheared>(
+            const double h = sized ? 0.5 * (h_of[i] + double(h_of[at])) : physics.h;
+            if (dx * dx + dy * dy + dz * dz > 4.01 * h * h / (unit * unit)) continue;
+            const PairSize<double> size(0.5 * h / physics.h, 0.5 * h / physics.h,
+                                        physics.dimension == 2);
+            add_pair<KernelLaw, Terms::both, Content::sheared, true>(
                 mixture.constants, own, dx, dy, dz, j, sum, &mixture.meeting[fluid][fluid_of(j)],
-                viscosity_of(at), &shear);
+                viscosity_of(at), &shear, &size);
         }
         const double per_rho = q.volume * k.per_mass;
         Vec3 a;

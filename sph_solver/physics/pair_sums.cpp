@@ -93,7 +93,7 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         sum_pure_cluster<KernelLaw, terms>(physics, c, k, neighbors, no_slip, cluster, particles);
 }
 
-template <class KernelLaw, Terms terms, Content content>
+template <class KernelLaw, Terms terms, Content content, bool sized = false>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
                               int cluster, Particles& particles) {
@@ -106,15 +106,24 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     MixedLanes m;
     look_up(mixture, records, mu, first, n, i.own, m);
+    const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
     PairSums<float8> sum;
     ShearSums<float8> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content>(mixture.constants, i.own, dx, dy, dz, j, sum,
-                                            &m.with[FluidTag::of(j)], variable ? mu[*at] : 0.0f,
-                                            &shear);
+        const auto add = [&](const PairSize<float8>* size) __attribute__((always_inline)) {
+            add_pair<KernelLaw, terms, content, sized>(mixture.constants, i.own, dx, dy, dz, j, sum,
+                                                       &m.with[FluidTag::of(j)],
+                                                       variable ? mu[*at] : 0.0f, &shear, size);
+        };
+        if constexpr (sized) {
+            const PairSize<float8> size = own_size.with(*at);
+            add(&size);
+        } else {
+            add(nullptr);
+        }
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
@@ -137,15 +146,27 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     Factors<float> k[FluidTag::most];
     for (std::size_t f = 0; f < physics.fluids.size(); ++f) {
         c[f] = pair_constants<float>(physics, physics.fluids[f], unit);
-        k[f] = factors<float>(physics, physics.fluids[f], kernel.scale(), unit);
+        k[f] = factors<float>(physics, physics.fluids[f],
+                              scale_of(physics, physics.fluids[f], kernel.scale()), unit);
         if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;   // mu is in the sums
     }
     const ContentOf content_of(physics, shear_rate);
+    const bool sized = physics.sized();
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
         const FluidBits held = neighbors.held(cluster), met = neighbors.met(cluster);
-        switch (content_of(held, met, terms)) {
+        const Content content = content_of(held, met, terms);
+        if (sized && (physics.variable_smoothing || content != Content::one_fluid)) {
+            if (terms == Terms::rate || !physics.viscoplastic())
+                sum_mixed_cluster<KernelLaw, terms, Content::several, true>(
+                    physics, mixture, neighbors, no_slip, cluster, particles);
+            else if constexpr (terms != Terms::rate)
+                sum_mixed_cluster<KernelLaw, terms, Content::sheared, true>(
+                    physics, mixture, neighbors, no_slip, cluster, particles);
+            continue;
+        }
+        switch (content) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
                 sum_pure_cluster<KernelLaw, terms>(physics, c[f], k[f], neighbors, no_slip, cluster,

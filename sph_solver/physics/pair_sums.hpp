@@ -14,7 +14,7 @@ namespace undertow::sph {
 
 struct PairPhysics {
     Kernel kernel = Kernel::wendland_c2;
-    double h = 0;                     // smoothing length [m]
+    double h = 0;                     // smoothing length of sph.spacing [m]
     int dimension = 3;
     double artificial_viscosity = 0;  // alpha
     double density_diffusion = 0;     // delta
@@ -32,8 +32,17 @@ struct PairPhysics {
             if (f.viscoplastic()) return true;
         return false;
     }
+    bool variable_smoothing = false;  // h follows from density
+    /// Smoothing lengths differ, from fluid to fluid or from particle to particle, or from that of
+    /// bodies: pairs take the mean of the two, see PairSize.
+    bool sized() const {
+        if (variable_smoothing) return true;
+        for (const FluidLaw& f : fluids)
+            if (f.h != h) return true;
+        return false;
+    }
     /// Clusters must be told apart by what they hold and meet (Neighborhood::find_fluids).
-    bool mixed() const { return fluids.size() > 1 || viscoplastic(); }
+    bool mixed() const { return fluids.size() > 1 || viscoplastic() || sized(); }
 };
 
 /// Whether a sum of forces finds the shear rate of viscoplastic particles, at 1.5 to 2 times the cost,

@@ -60,6 +60,23 @@ struct Own {
     Real rho0{}, mu{};      // [kg/m3], [Pa s]; unused by one_fluid
 };
 
+/// Between particles of different size W_ij = W(r, h_ij) with h_ij = (h_i + h_j)/2, the same for both:
+/// forces stay equal and opposite. F is that of the reference length h0 at r h0/h_ij.
+template <class Real>
+struct PairSize {
+    Real length;            // h_ij/h0
+    Real nearer2;           // (h0/h_ij)^2
+    Real factor;            // (h0/h_ij)^(d+2), by which grad W = -scale F x_ij grows
+
+    /// h_i, h_j: over 2 h0.
+    template <class Other>
+    PairSize(Real h_i, Other h_j, bool flat) : length(h_i + h_j) {
+        const Real nearer = precise_reciprocal(length);
+        nearer2 = nearer * nearer;
+        factor = flat ? nearer2 * nearer2 : nearer2 * nearer2 * nearer;
+    }
+};
+
 /// What i has in common with any particle of one fluid.
 template <class Real>
 struct Meeting {
@@ -92,25 +109,34 @@ inline Real harmonic_mean(Real a, Other b) {
     return ((a + a) * b) * reciprocal((a + 1e-30f) + b);
 }
 
-/// with, mu_j and shear are not looked at unless `content` says so.
-template <class KernelLaw, Terms terms, Content content = Content::one_fluid, class Real,
-          class Scalar, class Neighbor>
+/// with, mu_j and shear are not looked at unless `content` says so, size unless `sized`.
+template <class KernelLaw, Terms terms, Content content = Content::one_fluid, bool sized = false,
+          class Real, class Scalar, class Neighbor>
 inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>& c,
                                                     const Own<Real>& i, Real dx, Real dy, Real dz,
                                                     const Neighbor& j, PairSums<Real>& sum,
                                                     const Meeting<Real>* with = nullptr,
                                                     Scalar mu_j = 0,
-                                                    ShearSums<Real>* shear = nullptr) {
+                                                    ShearSums<Real>* shear = nullptr,
+                                                    const PairSize<Real>* size = nullptr) {
     constexpr bool rate = terms != Terms::force, force = terms != Terms::rate;
     constexpr bool mixed = !alone(content);
     const Real r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
-    const Real F = KernelLaw::gradient_factor(r2, c.inverse_h) * Scalar(j.volume);
+    Real F;
+    if constexpr (sized)
+        F = KernelLaw::gradient_factor(r2 * size->nearer2, c.inverse_h) *
+            (size->factor * Scalar(j.volume));
+    else
+        F = KernelLaw::gradient_factor(r2, c.inverse_h) * Scalar(j.volume);
     const Real vx = i.vx - Scalar(j.vx), vy = i.vy - Scalar(j.vy), vz = i.vz - Scalar(j.vz);
     const Real approach = vx * dx + vy * dy + vz * dz;
     if constexpr (rate) {
         const Real hydrostatic = c.gx * dx + c.gy * dy + c.gz * dz;
         sum.divergence += F * approach;
-        if constexpr (mixed)
+        if constexpr (sized)
+            sum.diffusion += (F * with->same * size->length) *
+                             ((Scalar(j.p) - i.p) + i.rho0 * hydrostatic);
+        else if constexpr (mixed)
             sum.diffusion += (F * with->same) * ((Scalar(j.p) - i.p) + i.rho0 * hydrostatic);
         else
             sum.diffusion += F * ((Scalar(j.p) - i.p) + hydrostatic);
@@ -119,7 +145,9 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
         const Real closing = negative_part(approach) * reciprocal(r2);
         Real P = i.push + Scalar(j.p);
         Real FV = F;
-        if constexpr (mixed)
+        if constexpr (sized)
+            P -= closing * (with->shock * size->length);
+        else if constexpr (mixed)
             P -= closing * with->shock;
         else
             P -= closing * c.shock;

@@ -35,8 +35,8 @@ constexpr double viscous_cfl = 0.125;   // of h^2 rho/mu  [Morris 1997]
 
 /// What limits a step.
 struct StepLimits {
-    double h;                         // smoothing length [m]
-    double c0;                        // largest of the fluids [m/s]
+    double h;                         // smoothing length, the least [m]
+    double c0;                        // that of the fluid of the least h/c0, times least h/its h [m/s]
     double max_speed;                 // [m/s]
     double max_acceleration;          // [m/s2]
     double max_kinematic_viscosity;   // largest mu/rho0 anywhere [m2/s]
@@ -58,7 +58,10 @@ inline StableStep stable_step(const StepLimits& of, double cfl, double force_cfl
 /// The viscosity whose limit is the acoustic one of fluid at rest: a larger one would shorten steps.
 /// [Pa s]
 inline double largest_free_viscosity(const SphSettings& sph, double rho0, double c0) {
-    const double h = sph.smoothing_ratio * sph.spacing;
+    double dx = sph.spacing;   // the finest: it asks for the shortest step
+    for (const Fluid& f : sph.fluid)
+        if (f.spacing > 0) dx = std::min(dx, f.spacing);
+    const double h = sph.smoothing_ratio * dx;
     return viscous_cfl * rho0 * h * c0 / acoustic_cfl(sph);
 }
 

@@ -72,12 +72,18 @@ bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
         throw InputError(input.file +
                          ": sph.viscous_form = \"strain\" is not in the explicit sums: "
                          "leave sph.viscosity_solver at \"auto\" or set \"implicit\".");
+    // the implicit update knows one smoothing length only
+    const bool sized = input.sph.variable_smoothing ||
+                       std::any_of(laws.begin(), laws.end(), [&](const FluidLaw& law) {
+                           return law.spacing != input.sph.spacing;
+                       });
     const bool implicit =
         choice == ViscositySolver::implicit ||
-        (choice == ViscositySolver::automatic && (strain || ratio > implicit_from));
-    const double speed = speed_of_flow(input, c0), first = 0.5 * input.sph.spacing;
+        (choice == ViscositySolver::automatic && (strain || (!sized && ratio > implicit_from)));
+    const double speed = speed_of_flow(input, c0);
     for (std::size_t k = 0; k < laws.size(); ++k) {
         FluidLaw& law = laws[k];
+        const double first = 0.5 * law.spacing;
         if (law.viscoplastic())
             cap_viscosity(input, input.sph.fluid[k],
                           largest_free_viscosity(input.sph, law.rho0, c0), wanted[k], implicit,

@@ -19,10 +19,11 @@ struct OfWall {
 };
 
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
-template <class KernelLaw, Content content, class OfOwn, class F>
+template <class KernelLaw, Content content, bool sized = false, class OfOwn, class F>
 void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f) {
+                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f,
+                   const OwnSize* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
     const float* mu = variable ? neighbors.viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
@@ -36,9 +37,18 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
         std::size_t m = 0;
         while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
         if (m == met.size()) met.push_back({extra.mask, body, {}});
-        add_pair<KernelLaw, Terms::force, content>(
-            c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
-            with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f);
+        const auto add = [&](const PairSize<float8>* size) {
+            add_pair<KernelLaw, Terms::force, content, sized>(
+                c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
+                with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f,
+                static_cast<ShearSums<float8>*>(nullptr), size);
+        };
+        if constexpr (sized) {
+            const PairSize<float8> size = own_size->with(*at);
+            add(&size);
+        } else {
+            add(nullptr);
+        }
     }
     for (const OfWall& of : met) {
         const float8 per_rho = i.volume * k.per_mass;
@@ -155,6 +165,18 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 for_each_shear<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
                                                             neighbors, no_slip, cluster, met,
                                                             add_shear);
+            if (physics.sized()) {
+                const OwnSize own_size(physics, &neighbors.smoothing(), first, n);
+                if (variable)
+                    for_each_wall<KernelLaw, Content::viscoplastic, true>(
+                        mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
+                        any_plane, met, add, &own_size);
+                else
+                    for_each_wall<KernelLaw, Content::several, true>(
+                        mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
+                        any_plane, met, add, &own_size);
+                continue;
+            }
             if (variable)
                 for_each_wall<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
                                                                 m.with, neighbors, cluster, bodies,

@@ -12,7 +12,6 @@
 namespace undertow::sph {
 
 Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
-    const double dx = input.sph.spacing;
     const bool flat = input.info.dimension == 2;
     const double g = std::max(0.0, -balanced_gravity(input)[2]);
     const FillPlan plan(input);
@@ -24,6 +23,7 @@ Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     for (std::size_t k = 0; k < input.sph.fill.size(); ++k) {
         const Fill& f = input.sph.fill[k];
         const FluidLaw& fluid = fluids[plan.fluid(static_cast<int>(k))];
+        const double dx = plan.spacing(static_cast<int>(k));
         const Vec3 behind = ramp_distance(f);
         int n[3], first[3];   // cells in the box, and from its corner to where it starts
         for (int a = 0; a < 3; ++a) {
@@ -52,7 +52,7 @@ Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
                     if (plan.owner(x) != static_cast<int>(k)) continue;
                     const double pressure = f.pressure ? (*f.pressure)(x[0], x[1], x[2])
                                                        : plan.pressure_at(x, density, g);
-                    if (!plan.clear_obstacles(x)) continue;
+                    if (!plan.clear_obstacles(x, 0.5 * dx)) continue;
                     const Vec3 v = start_velocity(f, x);
                     particles.x[i] = x[0], particles.y[i] = x[1], particles.z[i] = x[2];
                     particles.vx[i] = v[0];

@@ -51,12 +51,14 @@ FillPlan::FillPlan(const Case& input) : sph_(input.sph), flat_(input.info.dimens
             throw InputError(fmt::format("{}: sph.fill: there is no sph.fluid \"{}\".", input.file,
                                          fill.fluid));
         fluid_.push_back(static_cast<int>(named - sph_.fluid.begin()));
+        spacing_.push_back(named->spacing > 0 ? named->spacing : sph_.spacing);
         within_.push_back(cells_within(fill, input, within_.size()));
     }
 }
 
 FillPlan::Cells FillPlan::cells_within(const Fill& fill, const Case& input, std::size_t k) const {
     Cells cells;
+    const double dx = spacing_[k];
     if (fill.within.radius == 0 && fill.within.stl.empty()) return cells;
     const Solid solid(fill.within, flat_, input.folder,
                       fmt::format("{}: sph.fill[{}]", input.file, k));
@@ -64,13 +66,13 @@ FillPlan::Cells FillPlan::cells_within(const Fill& fill, const Case& input, std:
         cells.n[a] = flat_ && a == 1
                          ? 1
                          : static_cast<int>(
-                               std::lround((fill.box.max[a] - fill.box.min[a]) / sph_.spacing));
+                               std::lround((fill.box.max[a] - fill.box.min[a]) / dx));
     for (int iz = 0; iz < cells.n[2]; ++iz)
         for (int iy = 0; iy < cells.n[1]; ++iy)
             for (int ix = 0; ix < cells.n[0]; ++ix) {
                 Vec3 x = fill.box.min;
-                x[0] += (ix + 0.5) * sph_.spacing, x[2] += (iz + 0.5) * sph_.spacing;
-                x[1] = flat_ ? 0 : x[1] + (iy + 0.5) * sph_.spacing;
+                x[0] += (ix + 0.5) * dx, x[2] += (iz + 0.5) * dx;
+                x[1] = flat_ ? 0 : x[1] + (iy + 0.5) * dx;
                 cells.inside.push_back(solid(x).distance < 0);
             }
     return cells;
@@ -95,14 +97,14 @@ bool FillPlan::contains(int k, const Vec3& at) const {
     if (const Cells& cells = within_[k]; !cells.inside.empty()) {
         int cell[3];
         for (int a = 0; a < 3; ++a) {
-            const double at_cell = (x[a] - fill.box.min[a]) / sph_.spacing;
+            const double at_cell = (x[a] - fill.box.min[a]) / spacing_[k];
             cell[a] = flat_ && a == 1 ? 0 : std::clamp(static_cast<int>(at_cell), 0, cells.n[a] - 1);
         }
         if (!cells.inside[(std::size_t(cell[2]) * cells.n[1] + cell[1]) * cells.n[0] + cell[0]])
             return false;
     }
     // cell centers often lie exactly on a 45 degree face: a hair aside, all fall on the same side
-    const double hair = 1e-6 * sph_.spacing;
+    const double hair = 1e-6 * spacing_[k];
     return fill.profile.empty() || in_polygon(fill.profile, x[0] + hair, x[2] + 0.7 * hair);
 }
 
@@ -112,8 +114,7 @@ int FillPlan::owner(const Vec3& x) const {
     return -1;
 }
 
-bool FillPlan::clear_obstacles(Vec3& x) const {
-    const double clearance = 0.5 * sph_.spacing;
+bool FillPlan::clear_obstacles(Vec3& x, double clearance) const {
     const auto clear = [&](const FromSurface& from) {
         const double d = from.distance;
         if (d < 0) return false;
@@ -129,11 +130,11 @@ bool FillPlan::clear_obstacles(Vec3& x) const {
 }
 
 double FillPlan::pressure_at(const Vec3& x, const std::vector<double>& density, double g) const {
-    const double dx = sph_.spacing;
     double pressure = 0, bottom = x[2];   // of the present layer
     Vec3 at = x;
     int above = owner(x), layer = above;
     while (above >= 0) {
+        const double dx = spacing_[layer];
         at[2] += dx;
         above = owner(at);
         if (above == layer) continue;
@@ -143,6 +144,8 @@ double FillPlan::pressure_at(const Vec3& x, const std::vector<double>& density, 
         const double top = above >= 0 ? at[2] - 0.5 * dx : fill.surface_level.value_or(box_top);
         pressure += density[fluid_[layer]] * g * std::max(0.0, top - bottom);
         bottom = top;
+        // on in the middle of the cells of the layer above
+        if (above >= 0 && spacing_[above] != dx) at[2] = top + 0.5 * spacing_[above];
         layer = above;
     }
     return pressure;

@@ -25,10 +25,10 @@ class FillPlan {
     /// -1 if there is none. y does not count in 2D.
     int owner(const Vec3& x) const;
 
-    /// Moves a particle that lies in the skin of an obstacle or a body, nearer than half a spacing, out to half a
-    /// spacing. False if its center is inside: then there is no particle. Taking centers instead of
+    /// Moves a particle that lies in the skin of an obstacle or a body, nearer than `clearance` [m], half its
+    /// spacing, out to that. False if its center is inside: then there is no particle. Taking centers instead of
     /// whole cells keeps the volume around a curved body right in the mean.
-    bool clear_obstacles(Vec3& x) const;
+    bool clear_obstacles(Vec3& x, double clearance) const;
 
     /// Inside an obstacle or in the material of a body.
     bool in_body(const Vec3& x) const;
@@ -37,6 +37,7 @@ class FillPlan {
     /// each fluid at zero pressure, in the order of [[sph.fluid]]; g: [m/s2] downward.
     double pressure_at(const Vec3& x, const std::vector<double>& density, double g) const;
 
+    double spacing(int fill) const { return spacing_[fill]; }   // [m]
     int fluid(int fill) const { return fluid_[fill]; }   // index into [[sph.fluid]]
 
  private:
@@ -53,6 +54,7 @@ class FillPlan {
     bool flat_;
     std::vector<Vec3> behind_;    // [m] ramp_distance of each fill
     std::vector<int> fluid_;
+    std::vector<double> spacing_;  // [m] of each fill's fluid
     std::vector<Cells> within_;   // [fills]
     std::vector<Solid> obstacle_;
     std::vector<RigidBody> body_;

@@ -61,7 +61,7 @@ Relaxation relax(FluidSystem& fluid, const Case& input) {
             Vec3 at = Vec3{s.x[i], s.y[i], s.z[i]} + shift;
             const Vec3 wanted = at;
             // too close to a body: back to half a spacing, unless it would stand inside
-            if (!plan.clear_obstacles(at)) continue;
+            if (!plan.clear_obstacles(at, 0.5 * dx)) continue;
             // a hair inside that clearance is what an even spread asks for
             if (length(at - wanted) < 0.25 * dx) at = wanted;
             furthest = std::max(furthest, std::min(size, longest * dx));
