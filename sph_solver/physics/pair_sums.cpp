@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/gradient_correction.hpp"
 #include "sph_solver/physics/pair_clusters.hpp"
 
 namespace undertow::sph {
@@ -45,7 +46,7 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
-template <class KernelLaw, Terms terms, Content content = Content::one_fluid>
+template <class KernelLaw, Terms terms, Gradient gradient, Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<float>& c,
                              const Factors<float>& k,
                              const Neighborhood& neighbors, const NoSlipImages& no_slip,
@@ -61,14 +62,17 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<flo
         for (int lane = 0; lane < lanes; ++lane)
             i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
     const Meeting<float8>* no_tables = nullptr;
+    Symmetric<float8> correction;
+    if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
     PairSums<float8> sum;
     ShearSums<float8> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content>(c, i.own, dx, dy, dz, j, sum, no_tables,
-                                            variable ? mu[*at] : 0.0f, &shear);
+        add_pair<KernelLaw, terms, content, gradient>(c, i.own, dx, dy, dz, j, sum, no_tables,
+                                                      variable ? mu[*at] : 0.0f, &shear,
+                                                      &correction);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
@@ -79,7 +83,7 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<flo
         take_shear_rate(physics, neighbors, k.gradient, shear, first, particles);
 }
 
-template <class KernelLaw, Terms terms>
+template <class KernelLaw, Terms terms, Gradient gradient>
 void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                   const Neighborhood& neighbors, const NoSlipImages& no_slip,
                   Particles& particles) {
@@ -90,10 +94,11 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<KernelLaw, terms>(physics, c, k, neighbors, no_slip, cluster, particles);
+        sum_pure_cluster<KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip, cluster,
+                                                     particles);
 }
 
-template <class KernelLaw, Terms terms, Content content>
+template <class KernelLaw, Terms terms, Gradient gradient, Content content>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
                               int cluster, Particles& particles) {
@@ -106,15 +111,17 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     MixedLanes m;
     look_up(mixture, records, mu, first, n, i.own, m);
+    Symmetric<float8> correction;
+    if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
     PairSums<float8> sum;
     ShearSums<float8> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content>(mixture.constants, i.own, dx, dy, dz, j, sum,
-                                            &m.with[FluidTag::of(j)], variable ? mu[*at] : 0.0f,
-                                            &shear);
+        add_pair<KernelLaw, terms, content, gradient>(
+            mixture.constants, i.own, dx, dy, dz, j, sum, &m.with[FluidTag::of(j)],
+            variable ? mu[*at] : 0.0f, &shear, &correction);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
@@ -127,7 +134,7 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
 /// no other.
-template <class KernelLaw, Terms terms>
+template <class KernelLaw, Terms terms, Gradient gradient>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
                         ShearRate shear_rate, Particles& particles) {
@@ -148,46 +155,58 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         switch (content_of(held, met, terms)) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms>(physics, c[f], k[f], neighbors, no_slip, cluster,
-                                                   particles);
+                sum_pure_cluster<KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
+                                                             no_slip, cluster, particles);
                 break;
             }
             case Content::one_viscoplastic: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, Content::one_viscoplastic>(
+                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_viscoplastic>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::one_sheared: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, Content::one_sheared>(
+                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_sheared>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::several:
-                sum_mixed_cluster<KernelLaw, terms, Content::several>(physics, mixture, neighbors,
-                                                                      no_slip, cluster, particles);
+                sum_mixed_cluster<KernelLaw, terms, gradient, Content::several>(
+                    physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::viscoplastic:
-                sum_mixed_cluster<KernelLaw, terms, Content::viscoplastic>(
+                sum_mixed_cluster<KernelLaw, terms, gradient, Content::viscoplastic>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::sheared:
-                sum_mixed_cluster<KernelLaw, terms, Content::sheared>(physics, mixture, neighbors,
-                                                                      no_slip, cluster, particles);
+                sum_mixed_cluster<KernelLaw, terms, gradient, Content::sheared>(
+                    physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
         }
     }
 }
 
+template <Terms terms, Gradient gradient, class KernelLaw>
+void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
+             const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
+    if (physics.mixed())
+        sum_mixed_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
+                                                       shear_rate, particles);
+    else
+        sum_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip, particles);
+}
+
 template <Terms terms, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
-    if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, shear_rate,
-                                             particles);
-    else
-        sum_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, particles);
+    if constexpr (terms != Terms::force)
+        if (physics.gradient_correction) {
+            sum_with<terms, Gradient::corrected>(kernel, physics, neighbors, no_slip, shear_rate,
+                                                 particles);
+            return;
+        }
+    sum_with<terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate, particles);
 }
 
 }  // namespace
