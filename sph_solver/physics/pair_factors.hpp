@@ -98,16 +98,17 @@ Symmetric<Real> inverse_moment(const Symmetric<Real>& m) {
             surrounded ? cyz * per_det : none, surrounded ? czz * per_det : one};
 }
 
-/// M^-1 for the continuity equation: one also where little is near, tr M < d/3, so that spray whose
-/// pressure moves nothing does not gather any. Flat surfaces have d/2.
+/// M^-1 for the continuity equation: one at the free surface, around voids and in spray, tr M < 0.75 d
+/// [Lee et al. 2008]. Corrected there, densities answer to motions that the pressure hardly resists: a
+/// vortex with a cavity blew up.
 template <class Scalar, class Real>
 Symmetric<Real> divergence_correction(Symmetric<Real> m, int dimension) {
-    const auto wet = m.xx + m.yy + m.zz > Scalar(dimension / 3.0);
+    const auto inside = m.xx + m.yy + m.zz > Scalar(0.75 * dimension);
     m.yy += Scalar(dimension == 2 ? 1 : 0);
     const Symmetric<Real> c = inverse_moment<Scalar>(m);
     const Real none = m.xx * Scalar(0), one = none + Scalar(1);
-    return {wet ? c.xx : one, wet ? c.xy : none, wet ? c.xz : none,
-            wet ? c.yy : one, wet ? c.yz : none, wet ? c.zz : one};
+    return {inside ? c.xx : one, inside ? c.xy : none, inside ? c.xz : none,
+            inside ? c.yy : one, inside ? c.yz : none, inside ? c.zz : one};
 }
 
 /// gd = sqrt(2 D':D') of the deviatoric strain rate D', with grad v = G M^-1, which is exact in a
