@@ -9,6 +9,7 @@
 #include "sph_solver/boundary/body_fluid.hpp"
 #include "sph_solver/kernels/lattice_moment.hpp"
 #include "sph_solver/physics/free_surface.hpp"
+#include "sph_solver/physics/gradient_correction.hpp"
 #include "sph_solver/physics/heating.hpp"
 #include "sph_solver/physics/viscosity_plan.hpp"
 #include "sph_solver/physics/wall_forces.hpp"
@@ -38,6 +39,8 @@ void refuse_with_sizes(const Case& input, const PairPhysics& p) {
             "only. {}", input.file, key, sizes, instead));
     };
     if (p.shifting > 0) refuse("sph.shifting", "Set sph.shifting = 0.");
+    if (p.gradient_correction)
+        refuse("sph.gradient_correction", "Set sph.gradient_correction = false.");
     if (p.implicit_viscosity)
         refuse("The implicit viscosity (sph.viscosity_solver, sph.viscous_form)",
                "Set sph.viscosity_solver = \"explicit\", or lower the viscosity.");
@@ -64,6 +67,7 @@ PairPhysics resolve_physics(const Case& input) {
     p.variable_smoothing = input.sph.variable_smoothing;
     p.gravity = balanced_gravity(input);
     p.shifting = input.sph.shifting;
+    p.gradient_correction = input.sph.gradient_correction;
     p.tension_control = input.sph.tension_control;
     p.fluids = resolve_fluids(input);
     double c0 = 0;
@@ -226,6 +230,10 @@ bool FluidSystem::refresh_neighbors(double t) {
     if (physics_.shifting > 0) {
         pack(t);
         find_shift(physics_, neighbors_, 0.5 * neighbors_.skin() / std::max(fastest_, 1e-300), shift_);
+    }
+    if (physics_.gradient_correction) {
+        pack(t);
+        find_gradient_correction(physics_, neighbors_);
     }
     reach_ = bodies_reach_ = 0;
     ++rebuilds_;
@@ -419,6 +427,10 @@ void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<doub
                 "take \"{0}\" out of sph.periodic.",
                 std::string(1, "xyz"[a.axis]), at, room, support()));
         }
+    if (physics_.gradient_correction && with_surface_images_)
+        throw InputError(
+            "sph.gradient_correction = true does not know the images behind a coupled surface: set "
+            "sph.surface_images = false, or leave the correction out.");
     if (with_surface_images_) surface_.place(std::move(quad), std::move(x));
 }
 

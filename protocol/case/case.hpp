@@ -195,6 +195,7 @@ struct SphSettings {
     // particles inside the fluid by pressure differences, "none" lets all clump
     TensionControl tension_control = TensionControl::spray;
     double shifting = 0;                 // strength K of particle shifting; 0 = off, typical 10
+    bool gradient_correction = false;    // the density's rate is exact in a linear velocity field
     FillLattice lattice = FillLattice::square;   // "square", "relaxed": fitted to curved bodies
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"

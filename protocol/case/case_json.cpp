@@ -187,6 +187,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"viscous_form", name(v.viscous_form)},
          {"tension_control", name(v.tension_control)},
          {"shifting", v.shifting},
+         {"gradient_correction", v.gradient_correction},
          {"lattice", name(v.lattice)},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},

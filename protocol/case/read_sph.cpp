@@ -115,6 +115,7 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                                    {"switched", TensionControl::switched}});
     reader.choice<FillLattice>("lattice", sph.lattice,
                                {{"square", FillLattice::square}, {"relaxed", FillLattice::relaxed}});
+    reader.flag("gradient_correction", sph.gradient_correction);
     reader.flag("surface_images", sph.surface_images);
     reader.choice<Integrator>("integrator", sph.integrator,
                               {{"auto", Integrator::automatic},

@@ -85,6 +85,10 @@ class Neighborhood {
     /// Of each particle as of the last rebuild, padded to full clusters; empty where nobody asks.
     std::vector<Depth>& depth() { return depth_; }
     const std::vector<Depth>& depth() const { return depth_; }
+    /// M^-1 of each cluster's particles as of the last rebuild, xx, xy, xz, yy, yz, zz of the eight,
+    /// [clusters, 6, 8]; empty where nobody asks, see gradient_correction.hpp.
+    std::vector<float>& gradient_correction() { return gradient_correction_; }
+    const std::vector<float>& gradient_correction() const { return gradient_correction_; }
     int first_extra() const { return fluid_count_; }
 
     /// Calls f(record index) for every record whose cell is within `range` of the point.
@@ -133,6 +137,7 @@ class Neighborhood {
     std::vector<float> viscosity_, scratch_float_;
     std::vector<float> smoothing_, listed_;    // listed_: as lists were made for [m]
     std::vector<Depth> depth_;
+    std::vector<float> gradient_correction_;
 };
 
 }  // namespace undertow::sph

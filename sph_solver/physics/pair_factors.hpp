@@ -88,26 +88,49 @@ void acceleration(const Factors<Scalar, OfOwn>& k, Real per_rho, const PairSums<
     az = per_rho * (k.gradient * s.az - k.viscous * s.lz);
 }
 
-/// gd = sqrt(2 D':D') of the deviatoric strain rate D', with grad v = G M^-1, which is exact in a
-/// linear field for any arrangement of neighbors: G ~ sum V F v_ij x_ij, M ~ sum V F x_ij x_ij,
-/// about one. M is not inverted where the neighbors lie nearly in a plane or on a line (drops,
-/// sheets one particle thin): det M < 0.05 (tr M/3)^3, a measure of shape that surfaces, edges and
-/// corners of a body pass.   [1/s] to_gradient: scale unit [1/(m^d unit)]; to_moment: scale unit^2.
-template <class Real, class Scalar>
-Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, int dimension) {
-    const Real xx = to_moment * s.xx, xy = to_moment * s.xy, xz = to_moment * s.xz,
-               yy = to_moment * s.yy + Scalar(dimension == 2 ? 1 : 0), yz = to_moment * s.yz,
-               zz = to_moment * s.zz;
-    const Real cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy,
-               cyy = xx * zz - xz * xz, cyz = xy * xz - xx * yz, czz = xx * yy - xy * xy;
-    const Real det = xx * cxx + xy * cxy + xz * cxz;
-    const Real trace = xx + yy + zz;
+/// M^-1 of M ~ sum V F x_ij x_ij, about one (in 2D with yy = 1). M is not inverted, but taken for one,
+/// where the neighbors lie nearly in a plane or on a line (drops, sheets one particle thin):
+/// det M < 0.05 (tr M/3)^3, a measure of shape that surfaces, edges and corners of a body pass.
+template <class Scalar, class Real>
+Symmetric<Real> inverse_moment(const Symmetric<Real>& m) {
+    const Real cxx = m.yy * m.zz - m.yz * m.yz, cxy = m.xz * m.yz - m.xy * m.zz,
+               cxz = m.xy * m.yz - m.xz * m.yy, cyy = m.xx * m.zz - m.xz * m.xz,
+               cyz = m.xy * m.xz - m.xx * m.yz, czz = m.xx * m.yy - m.xy * m.xy;
+    const Real det = m.xx * cxx + m.xy * cxy + m.xz * cxz;
+    const Real trace = m.xx + m.yy + m.zz;
     const auto surrounded = det > Scalar(0.05 / 27) * trace * trace * trace;
     const Real none = det * Scalar(0), one = none + Scalar(1),
                per_det = one / (surrounded ? det : one);
-    const Real ixx = surrounded ? cxx * per_det : one, ixy = surrounded ? cxy * per_det : none,
-               ixz = surrounded ? cxz * per_det : none, iyy = surrounded ? cyy * per_det : one,
-               iyz = surrounded ? cyz * per_det : none, izz = surrounded ? czz * per_det : one;
+    return {surrounded ? cxx * per_det : one,  surrounded ? cxy * per_det : none,
+            surrounded ? cxz * per_det : none, surrounded ? cyy * per_det : one,
+            surrounded ? cyz * per_det : none, surrounded ? czz * per_det : one};
+}
+
+/// M^-1 for the continuity equation: one at the free surface, around voids and in spray, tr M < 0.75 d
+/// [Lee et al. 2008]. Corrected there, densities answer to motions that the pressure hardly resists: a
+/// vortex with a cavity blew up.
+template <class Scalar, class Real>
+Symmetric<Real> divergence_correction(Symmetric<Real> m, int dimension) {
+    const auto inside = m.xx + m.yy + m.zz > Scalar(0.75 * dimension);
+    m.yy += Scalar(dimension == 2 ? 1 : 0);
+    const Symmetric<Real> c = inverse_moment<Scalar>(m);
+    const Real none = m.xx * Scalar(0), one = none + Scalar(1);
+    return {inside ? c.xx : one, inside ? c.xy : none, inside ? c.xz : none,
+            inside ? c.yy : one, inside ? c.yz : none, inside ? c.zz : one};
+}
+
+/// gd = sqrt(2 D':D') of the deviatoric strain rate D', with grad v = G M^-1, which is exact in a
+/// linear field for any arrangement of neighbors: G ~ sum V F v_ij x_ij, M ~ sum V F x_ij x_ij.
+/// [1/s] to_gradient: scale unit [1/(m^d unit)]; to_moment: scale unit^2.
+template <class Real, class Scalar>
+Real shear_rate(const ShearSums<Real>& s, Scalar to_gradient, Scalar to_moment, int dimension) {
+    const Symmetric<Real> m{to_moment * s.xx,
+                            to_moment * s.xy,
+                            to_moment * s.xz,
+                            to_moment * s.yy + Scalar(dimension == 2 ? 1 : 0),
+                            to_moment * s.yz,
+                            to_moment * s.zz};
+    const auto [ixx, ixy, ixz, iyy, iyz, izz] = inverse_moment<Scalar>(m);
     const Real vx_x = s.vxx * ixx + s.vxy * ixy + s.vxz * ixz,
                vx_y = s.vxx * ixy + s.vxy * iyy + s.vxz * iyz,
                vx_z = s.vxx * ixz + s.vxy * iyz + s.vxz * izz,

@@ -43,6 +43,16 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
                 mixture.constants, own, dx, dy, dz, j, sum, &mixture.meeting[fluid][fluid_of(j)],
                 viscosity_of(at), &shear, &size);
         }
+        if (physics.gradient_correction) {   // G : M^-1
+            const double to = mixture.gradient * unit;
+            const auto m = divergence_correction<double>(
+                Symmetric<double>{to * shear.xx, to * shear.xy, to * shear.xz, to * shear.yy,
+                                  to * shear.yz, to * shear.zz},
+                physics.dimension);
+            sum.divergence = m.xx * shear.vxx + m.yy * shear.vyy + m.zz * shear.vzz +
+                             m.xy * (shear.vxy + shear.vyx) + m.xz * (shear.vxz + shear.vzx) +
+                             m.yz * (shear.vyz + shear.vzy);
+        }
         const double per_rho = q.volume * k.per_mass;
         Vec3 a;
         acceleration(k, per_rho, sum, a[0], a[1], a[2]);

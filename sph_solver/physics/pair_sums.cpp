@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/gradient_correction.hpp"
 #include "sph_solver/physics/pair_clusters.hpp"
 
 namespace undertow::sph {
@@ -45,7 +46,7 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
-template <class KernelLaw, Terms terms, Content content = Content::one_fluid>
+template <class KernelLaw, Terms terms, Gradient gradient, Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<float>& c,
                              const Factors<float>& k,
                              const Neighborhood& neighbors, const NoSlipImages& no_slip,
@@ -61,14 +62,18 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<flo
         for (int lane = 0; lane < lanes; ++lane)
             i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
     const Meeting<float8>* no_tables = nullptr;
+    const PairSize<float8>* no_sizes = nullptr;
+    Symmetric<float8> correction;
+    if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
     PairSums<float8> sum;
     ShearSums<float8> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content>(c, i.own, dx, dy, dz, j, sum, no_tables,
-                                            variable ? mu[*at] : 0.0f, &shear);
+        add_pair<KernelLaw, terms, content, false, gradient>(c, i.own, dx, dy, dz, j, sum,
+                                                             no_tables, variable ? mu[*at] : 0.0f,
+                                                             &shear, no_sizes, &correction);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
@@ -79,7 +84,7 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<flo
         take_shear_rate(physics, neighbors, k.gradient, shear, first, particles);
 }
 
-template <class KernelLaw, Terms terms>
+template <class KernelLaw, Terms terms, Gradient gradient>
 void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                   const Neighborhood& neighbors, const NoSlipImages& no_slip,
                   Particles& particles) {
@@ -90,10 +95,11 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<KernelLaw, terms>(physics, c, k, neighbors, no_slip, cluster, particles);
+        sum_pure_cluster<KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip, cluster,
+                                                     particles);
 }
 
-template <class KernelLaw, Terms terms, Content content, bool sized = false>
+template <class KernelLaw, Terms terms, Gradient gradient, Content content, bool sized = false>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
                               int cluster, Particles& particles) {
@@ -107,6 +113,8 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
     MixedLanes m;
     look_up(mixture, records, mu, first, n, i.own, m);
     const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
+    Symmetric<float8> correction;
+    if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
     PairSums<float8> sum;
     ShearSums<float8> shear;
     const int* end = lists.end(cluster);
@@ -114,9 +122,10 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const auto add = [&](const PairSize<float8>* size) __attribute__((always_inline)) {
-            add_pair<KernelLaw, terms, content, sized>(mixture.constants, i.own, dx, dy, dz, j, sum,
+            add_pair<KernelLaw, terms, content, sized, gradient>(mixture.constants, i.own, dx, dy, dz, j, sum,
                                                        &m.with[FluidTag::of(j)],
-                                                       variable ? mu[*at] : 0.0f, &shear, size);
+                                                       variable ? mu[*at] : 0.0f, &shear, size,
+                                                       &correction);
         };
         if constexpr (sized) {
             const PairSize<float8> size = own_size.with(*at);
@@ -136,7 +145,7 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
 /// no other.
-template <class KernelLaw, Terms terms>
+template <class KernelLaw, Terms terms, Gradient gradient>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
                         ShearRate shear_rate, Particles& particles) {
@@ -159,56 +168,68 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         const Content content = content_of(held, met, terms);
         if (sized && (physics.variable_smoothing || content != Content::one_fluid)) {
             if (terms == Terms::rate || !physics.viscoplastic())
-                sum_mixed_cluster<KernelLaw, terms, Content::several, true>(
+                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, Content::several, true>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
             else if constexpr (terms != Terms::rate)
-                sum_mixed_cluster<KernelLaw, terms, Content::sheared, true>(
+                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, Content::sheared, true>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
             continue;
         }
         switch (content) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms>(physics, c[f], k[f], neighbors, no_slip, cluster,
-                                                   particles);
+                sum_pure_cluster<KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
+                                                             no_slip, cluster, particles);
                 break;
             }
             case Content::one_viscoplastic: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, Content::one_viscoplastic>(
+                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_viscoplastic>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::one_sheared: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, Content::one_sheared>(
+                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_sheared>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::several:
-                sum_mixed_cluster<KernelLaw, terms, Content::several>(physics, mixture, neighbors,
-                                                                      no_slip, cluster, particles);
+                sum_mixed_cluster<KernelLaw, terms, gradient, Content::several>(
+                    physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::viscoplastic:
-                sum_mixed_cluster<KernelLaw, terms, Content::viscoplastic>(
+                sum_mixed_cluster<KernelLaw, terms, gradient, Content::viscoplastic>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::sheared:
-                sum_mixed_cluster<KernelLaw, terms, Content::sheared>(physics, mixture, neighbors,
-                                                                      no_slip, cluster, particles);
+                sum_mixed_cluster<KernelLaw, terms, gradient, Content::sheared>(
+                    physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
         }
     }
 }
 
+template <Terms terms, Gradient gradient, class KernelLaw>
+void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
+             const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
+    if (physics.mixed())
+        sum_mixed_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
+                                                       shear_rate, particles);
+    else
+        sum_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip, particles);
+}
+
 template <Terms terms, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
-    if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, shear_rate,
-                                             particles);
-    else
-        sum_clusters<KernelLaw, terms>(kernel, physics, neighbors, no_slip, particles);
+    if constexpr (terms != Terms::force)
+        if (physics.gradient_correction) {
+            sum_with<terms, Gradient::corrected>(kernel, physics, neighbors, no_slip, shear_rate,
+                                                 particles);
+            return;
+        }
+    sum_with<terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate, particles);
 }
 
 }  // namespace

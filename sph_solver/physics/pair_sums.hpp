@@ -21,6 +21,7 @@ struct PairPhysics {
     Vec3 gravity{};                   // [m/s2] of which pressure takes care at rest: without its
                                       // components along periodic axes
     double lattice_moment = 1;        // sums with grad W are divided by it, see lattice_moment.hpp
+    bool gradient_correction = false; // of the continuity equation, see gradient_correction.hpp
     bool implicit_viscosity = false;  // the sums leave the viscous forces out
     ViscousForm viscous_form = ViscousForm::laplacian;
     double shifting = 0;              // K, see find_shift

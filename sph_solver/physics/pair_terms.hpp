@@ -102,6 +102,15 @@ struct ShearSums {
 
 enum class Terms { rate, force, both };
 
+/// grad v of the continuity equation as summed, or times M^-1 (gradient_correction.hpp).
+enum class Gradient { plain, corrected };
+
+/// A symmetric 3 x 3 matrix.
+template <class Real>
+struct Symmetric {
+    Real xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
+};
+
 /// 2 a b/(a + b); 0 if both are. To 14 bits, 6e-5: no law of a viscosity is known to that. The same
 /// bits for b and a, so that the forces of a pair stay opposite; what belongs to `a` alone leaves loops.
 template <class Real, class Other>
@@ -109,16 +118,18 @@ inline Real harmonic_mean(Real a, Other b) {
     return ((a + a) * b) * reciprocal((a + 1e-30f) + b);
 }
 
-/// with, mu_j and shear are not looked at unless `content` says so, size unless `sized`.
+/// with, mu_j and shear are not looked at unless `content` says so, size unless `sized`, correction
+/// unless `gradient` does.
 template <class KernelLaw, Terms terms, Content content = Content::one_fluid, bool sized = false,
-          class Real, class Scalar, class Neighbor>
+          Gradient gradient = Gradient::plain, class Real, class Scalar, class Neighbor>
 inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>& c,
                                                     const Own<Real>& i, Real dx, Real dy, Real dz,
                                                     const Neighbor& j, PairSums<Real>& sum,
                                                     const Meeting<Real>* with = nullptr,
                                                     Scalar mu_j = 0,
                                                     ShearSums<Real>* shear = nullptr,
-                                                    const PairSize<Real>* size = nullptr) {
+                                                    const PairSize<Real>* size = nullptr,
+                                                    const Symmetric<Real>* correction = nullptr) {
     constexpr bool rate = terms != Terms::force, force = terms != Terms::rate;
     constexpr bool mixed = !alone(content);
     const Real r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
@@ -132,7 +143,14 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
     const Real approach = vx * dx + vy * dy + vz * dz;
     if constexpr (rate) {
         const Real hydrostatic = c.gx * dx + c.gy * dy + c.gz * dz;
-        sum.divergence += F * approach;
+        if constexpr (gradient == Gradient::corrected) {
+            const Symmetric<Real>& m = *correction;
+            sum.divergence += F * (vx * (m.xx * dx + m.xy * dy + m.xz * dz) +
+                                   vy * (m.xy * dx + m.yy * dy + m.yz * dz) +
+                                   vz * (m.xz * dx + m.yz * dy + m.zz * dz));
+        } else {
+            sum.divergence += F * approach;
+        }
         if constexpr (sized)
             sum.diffusion += (F * with->same * size->length) *
                              ((Scalar(j.p) - i.p) + i.rho0 * hydrostatic);
