@@ -231,6 +231,48 @@ TEST_CASE("where fills of different size meet, the volume is that of the boxes")
     }
 }
 
+TEST_CASE("beside particles of another size a body keeps its own, and continues their pressure") {
+    Case input = two_sizes(Sizes::two, 2);
+    const double size = 0.2;
+    for (Fill& fill : input.sph.fill) fill.box.max[0] = 0.12;
+    input.sph.fill[0].box.max[2] = size, input.sph.fill[1].box.max[2] = 0.5 * size;
+    input.sph.plane = {scenes::plane("floor", {0, 0, 0}, {0, 0, 1})};
+    Body gate;
+    gate.name = "gate";
+    gate.shape.box = Box{{0.12, 0, 0}, {0.15, 0, size}};
+    input.sph.body = {gate};
+    FluidSystem fluid(input, 0.2);
+    fluid.refresh_neighbors(0);
+    fluid.pack(0);
+    const Neighborhood& near = fluid.neighbors();
+    for (std::size_t e = 0; e < near.extras().size(); ++e) {
+        if (!near.extras()[e].from_body) continue;
+        CHECK(near.records()[near.first_extra() + e].volume == Approx(1e-4).epsilon(1e-5));
+        CHECK(near.smoothing()[near.first_extra() + e] == Approx(0.012));
+    }
+    const double g = 9.81;
+    int checked = 0;
+    for (int d = 0; d < fluid.bodies.size(); ++d) {
+        const double z = fluid.bodies.z[d];
+        // a kernel's reach from the interface and from the surface
+        if (fluid.bodies.x[d] > 0.13 || z > 0.17 || std::abs(z - 0.1) < 0.03) continue;
+        const double exact = z > 0.1 ? 1000 * g * (0.2 - z) : g * (1000 * 0.1 + 1681 * (0.1 - z));
+        CHECK(fluid.bodies.p[d] == Approx(exact).epsilon(2e-3));
+        ++checked;
+    }
+    CHECK(checked >= 11);
+}
+
+TEST_CASE("the least h over c0 limits the step") {
+    FluidSystem fluid(two_sizes(Sizes::two, 3), 0.2);
+    CHECK(fluid.least_smoothing() == Approx(0.006));
+    CHECK(fluid.limiting_sound_speed() == Approx(fluid.fluid(1).c0));
+    Case swift = two_sizes(Sizes::two, 3);
+    swift.sph.fluid[0].sound_speed = 300, swift.sph.fluid[1].sound_speed = 100;
+    FluidSystem other(swift, 0.2);  // 0.012/300 < 0.006/100
+    CHECK(other.limiting_sound_speed() == Approx(150));
+}
+
 TEST_CASE("what knows one smoothing length only is refused beside several") {
     Case input = two_sizes(GENERATE(Sizes::two, Sizes::variable), 3);
     const char* named = input.sph.variable_smoothing ? "variable_smoothing" : "sph.fluid.spacing";
