@@ -6,12 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "sph_solver/boundary/body_fluid.hpp"
-#include "sph_solver/kernels/lattice_moment.hpp"
 #include "sph_solver/physics/free_surface.hpp"
 #include "sph_solver/physics/gradient_correction.hpp"
 #include "sph_solver/physics/heating.hpp"
-#include "sph_solver/physics/viscosity_plan.hpp"
+#include "sph_solver/physics/resolve_physics.hpp"
 #include "sph_solver/physics/wall_forces.hpp"
 #include "sph_solver/setup/fill.hpp"
 #include "sph_solver/shapes/vectors.hpp"
@@ -28,57 +26,6 @@ constexpr double narrow_skin = 0.2, wide_skin = 0.4;
 constexpr double along_surface = 0.2;
 // Sound goes this far [dx] before a shear rate is found anew: within the support.
 constexpr double shear_rate_hold = 2;
-
-/// What knows one smoothing length only is not offered together with several.
-void refuse_with_sizes(const Case& input, const PairPhysics& p) {
-    const char* sizes = p.variable_smoothing ? "sph.variable_smoothing = true"
-                                             : "a sph.fluid.spacing other than sph.spacing";
-    const auto refuse = [&](const std::string& key, const char* instead) {
-        throw InputError(fmt::format(
-            "{}: {} does not go together with {}: it knows particles of one smoothing length "
-            "only. {}", input.file, key, sizes, instead));
-    };
-    if (p.shifting > 0) refuse("sph.shifting", "Set sph.shifting = 0.");
-    if (p.gradient_correction)
-        refuse("sph.gradient_correction", "Set sph.gradient_correction = false.");
-    if (p.implicit_viscosity)
-        refuse("The implicit viscosity (sph.viscosity_solver, sph.viscous_form)",
-               "Set sph.viscosity_solver = \"explicit\", or lower the viscosity.");
-    if (!input.sph.inflow.empty() || !input.sph.outflow.empty())
-        refuse("An opening (sph.inflow, sph.outflow)", "Give all fluids the same spacing.");
-    if (input.sph.lattice == FillLattice::relaxed)
-        refuse("sph.lattice = \"relaxed\"", "Set sph.lattice = \"square\".");
-    const bool resolved = std::any_of(p.fluids.begin(), p.fluids.end(),
-                                      [](const FluidLaw& f) { return f.resolves_walls; });
-    for (const PlaneWall& plane : input.sph.plane)
-        if (resolved && plane.slip == Slip::no_slip)
-            refuse("slip = \"no_slip\" of sph.plane \"" + plane.name +
-                       "\" next to a fluid so viscous that the wall layer is resolved",
-                   "Set slip = \"free\" or a lower viscosity.");
-}
-
-PairPhysics resolve_physics(const Case& input) {
-    PairPhysics p;
-    p.kernel = input.sph.kernel;
-    p.h = input.sph.smoothing_ratio * input.sph.spacing;
-    p.dimension = input.info.dimension;
-    p.artificial_viscosity = input.sph.artificial_viscosity;
-    p.density_diffusion = input.sph.density_diffusion;
-    p.variable_smoothing = input.sph.variable_smoothing;
-    p.gravity = balanced_gravity(input);
-    p.shifting = input.sph.shifting;
-    p.gradient_correction = input.sph.gradient_correction;
-    p.tension_control = input.sph.tension_control;
-    p.fluids = resolve_fluids(input);
-    double c0 = 0;
-    for (const FluidLaw& f : p.fluids) c0 = std::max(c0, f.c0);
-    p.implicit_viscosity = plan_viscosity(input, c0, p.fluids);
-    p.lattice_moment =
-        lattice_moment(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
-    p.viscous_form = input.sph.viscous_form;
-    if (p.sized()) refuse_with_sizes(input, p);
-    return p;
-}
 
 /// Twice the largest smoothing length that may ever be [m].
 double largest_support(const PairPhysics& p) {
@@ -227,154 +174,13 @@ bool FluidSystem::refresh_neighbors(double t) {
     surface_.expire();
     if (physics_.tension_control != TensionControl::none || physics_.shifting > 0)
         find_free_surface(physics_, neighbors_);
-    if (physics_.shifting > 0) {
-        pack(t);
+    if (physics_.shifting > 0 || physics_.gradient_correction) pack(t);
+    if (physics_.shifting > 0)
         find_shift(physics_, neighbors_, 0.5 * neighbors_.skin() / std::max(fastest_, 1e-300), shift_);
-    }
-    if (physics_.gradient_correction) {
-        pack(t);
-        find_gradient_correction(physics_, neighbors_);
-    }
+    if (physics_.gradient_correction) find_gradient_correction(physics_, neighbors_);
     reach_ = bodies_reach_ = 0;
     ++rebuilds_;
     return true;
-}
-
-void FluidSystem::pack(double t) {
-    if (!packed_) {
-#pragma omp parallel
-        {
-            pack_fluid();
-            pack_extras(false);   // from the records just packed
-        }
-    }
-    packed_ = false;   // whatever comes next changes the particles
-    if (openings_.any()) {   // they look at the fluid and its images, then have images themselves
-        openings_.extrapolate(physics_, tag_, neighbors_, particles);
-#pragma omp parallel
-        pack_extras(false);
-    }
-    bodies.move_to(t);
-    if (neighbors_.body_targets().empty()) return;   // no body is near the fluid
-    near_walls_.reflect(particles, bodies, reflected_);
-    continue_into_bodies(physics_, neighbors_, mirror_, reflected_, bodies);
-#pragma omp parallel
-    pack_extras(true);
-}
-
-/// To be called by all threads of a parallel region: each packs its share.
-void FluidSystem::pack_fluid() {
-    Packed* records = neighbors_.records().data();
-    Particles& s = particles;
-    // Spray bears no tension: it has torn. Its density comes along, or it would thin without end.
-    const bool tears = physics_.tension_control != TensionControl::none && !neighbors_.depth().empty();
-    const Depth* depth = tears ? neighbors_.depth().data() : nullptr;
-    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth](
-                              int i, const FluidLaw& fluid, double mass) {
-        s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
-        if (depth && s.p[i] < 0 && depth[i] == Depth::loose)
-            s.p[i] = 0, s.drho[i] = std::max(0.0, s.drho[i]);
-        Packed& q = records[i];
-        q.x = fixed(s.x[i], fixed.x0);
-        q.y = fixed(s.y[i], fixed.y0);
-        q.z = fixed(s.z[i], fixed.z0);
-        q.volume = tag(mass / (fluid.rho0 + s.drho[i]), s.fluid[i]);
-        q.vx = static_cast<float>(s.vx[i]);
-        q.vy = static_cast<float>(s.vy[i]);
-        q.vz = static_cast<float>(s.vz[i]);
-        q.p = static_cast<float>(s.p[i]);
-    };
-    const int n = static_cast<int>(s.size());
-    if (physics_.fluids.size() == 1) {
-        const FluidLaw fluid = physics_.fluids[0];
-        const double mass = fluid.rho0 * fluid.volume;
-#pragma omp for schedule(static)
-        for (int i = 0; i < n; ++i) pack_one(i, fluid, mass);
-    } else {
-        const FluidLaw* fluids = physics_.fluids.data();
-#pragma omp for schedule(static)
-        for (int i = 0; i < n; ++i) {
-            const FluidLaw& fluid = fluids[s.fluid[i]];
-            pack_one(i, fluid, fluid.rho0 * fluid.volume);
-        }
-    }
-    if (sizes_.variable()) {
-#pragma omp for schedule(static)
-        for (int i = 0; i < n; ++i)
-            neighbors_.smoothing()[i] = sizes_.now(i, s.fluid[i], s.drho[i]);
-    }
-    if (s.viscosity.empty()) return;
-#pragma omp for schedule(static)
-    for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = s.viscosity[i];
-}
-
-/// Images show mirrored position and velocity and the hydrostatically continued pressure
-/// p' = p + rho0 g . (x' - x), so that the wall carries the weight above it without an inflow.
-void FluidSystem::pack_extras(bool of_bodies) {
-    const FixedPoint fixed = neighbors_.fixed();
-    const FluidTag tag = tag_;
-    const Vec3& g = physics_.gravity;
-    float slope[FluidTag::most][3];   // of the hydrostatic pressure [Pa/unit]
-    for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
-        for (int a = 0; a < 3; ++a)
-            slope[f][a] = static_cast<float>(physics_.fluids[f].rho0 * g[a] * fixed.unit);
-    const bool viscous = !particles.viscosity.empty(), single = physics_.fluids.size() == 1;
-    const Packed* fluid_records = neighbors_.records().data();
-    Packed* records = neighbors_.records().data() + neighbors_.first_extra();
-    float* viscosity = neighbors_.viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
-    const std::vector<Extra>& extras = neighbors_.extras();
-    const int n = static_cast<int>(extras.size());
-#pragma omp for schedule(static)
-    for (int e = 0; e < n; ++e) {
-        const int s = extras[e].source;
-        const bool body = extras[e].from_body;
-        if (body != of_bodies) continue;
-        const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
-        if (viscous) viscosity[e] = body ? bodies.viscosity[s] : particles.viscosity[s];
-        if (sizes_.variable() && !body)
-            neighbors_.smoothing()[neighbors_.first_extra() + e] = neighbors_.smoothing()[s];
-        const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
-        if (!body && mirror.diagonal) {   // the usual tank: from record to record
-            const Packed from = fluid_records[s];
-            Packed& q = records[e];
-            q.x = mirror.sign[0] * from.x + mirror.offset[0];
-            q.y = mirror.sign[1] * from.y + mirror.offset[1];
-            q.z = mirror.sign[2] * from.z + mirror.offset[2];
-            q.volume = from.volume;
-            q.vx = static_cast<float>(mirror.sign[0]) * from.vx;
-            q.vy = static_cast<float>(mirror.sign[1]) * from.vy;
-            q.vz = static_cast<float>(mirror.sign[2]) * from.vz;
-            q.p = from.p + slope[own][0] * static_cast<float>(q.x - from.x) +
-                  slope[own][1] * static_cast<float>(q.y - from.y) +
-                  slope[own][2] * static_cast<float>(q.z - from.z);
-            continue;
-        }
-        const double x = body ? bodies.x[s] : particles.x[s];
-        const double y = body ? bodies.y[s] : particles.y[s];
-        const double z = body ? bodies.z[s] : particles.z[s];
-        const double vx = body ? bodies.vx[s] : particles.vx[s];
-        const double vy = body ? bodies.vy[s] : particles.vy[s];
-        const double vz = body ? bodies.vz[s] : particles.vz[s];
-        const double p = body ? bodies.p[s] : particles.p[s];
-        const double drho = body ? 0 : particles.drho[s];
-        const FluidLaw& fluid = physics_.fluids[own];
-        const double gx = fluid.rho0 * g[0], gy = fluid.rho0 * g[1], gz = fluid.rho0 * g[2];
-        const Reflection& r = mirror_.reflection(extras[e].mask);
-        const double ix = r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0];
-        const double iy = r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1];
-        const double iz = r.m[2][0] * x + r.m[2][1] * y + r.m[2][2] * z + r.t[2];
-        Packed& q = records[e];
-        q.x = fixed(ix, fixed.x0);
-        q.y = fixed(iy, fixed.y0);
-        q.z = fixed(iz, fixed.z0);
-        const double share = body ? bodies.share[s] : 1;
-        const double rest = body && sizes_.used() ? dummy_volume_ : fluid.volume;
-        q.volume = tag(share * fluid.rho0 * rest / (fluid.rho0 + drho), own);
-        q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
-        q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
-        q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
-        q.p = static_cast<float>(p + gx * (ix - x) + gy * (iy - y) + gz * (iz - z));
-    }
 }
 
 /// Those with an image are all that may touch a plane before the next rebuild.
@@ -468,92 +274,6 @@ ShearRate FluidSystem::shear_rate_now() {
     if (young && !implicit_) return ShearRate::held;
     shear_rate_age_ = 0;
     return ShearRate::found;
-}
-
-void FluidSystem::advance_density(double dt) {
-    const bool heated = heated_;
-    const int n = static_cast<int>(particles.size());
-#pragma omp parallel for schedule(static)
-    for (int i = 0; i < n; ++i) {
-        const double drho = dt * particles.drho_dt[i];
-        if (heated)
-            particles.energy[i] += fluid_of(i).compression_work(particles.p[i], particles.drho[i],
-                                                                particles.energy[i], drho);
-        particles.drho[i] += drho;
-        // a switch to one pass would start from this rate
-        particles.rate_before[i] = particles.drho_dt[i];
-    }
-}
-
-void FluidSystem::take_viscosity(double dt, double dt_before) {
-    if (implicit_)
-        implicit_->solve(physics_, neighbors_, mirror_, bodies, 0.5 * (dt + dt_before),
-                         gravity_, index_.size(), particles);
-}
-
-void FluidSystem::constrain_start(double t, double dt, double dt_before) {
-    if (start_->active(t))
-        start_->constrain(t, dt, 0.5 * (dt + dt_before), gravity_, particles);
-}
-
-void FluidSystem::constrain_ends(double t, double dt, double dt_before) {
-    const double kick = 0.5 * (dt + dt_before);
-    if (absorbing_.any()) absorbing_.damp(dt, kick, gravity_, particles);
-    if (openings_.any()) openings_.prescribe(t, dt, kick, gravity_, particles);
-}
-
-Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
-                                   bool extrapolate) {
-    const double kick = 0.5 * (dt + dt_before);
-    shear_rate_age_ += dt;
-    // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
-    const double w = dt_before + dt_before_that > 0 && dt_before > 0
-                         ? (dt + dt_before) / (dt_before + dt_before_that) : 0;
-    const Vec3 g = gravity_;
-    const bool heated = heated_;
-    // densities compared with that of the first fluid, so that one of them is divided by once
-    const double rho0 = physics_.fluids[0].rho0;
-    double relative[FluidTag::most];
-    for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
-        relative[f] = rho0 / physics_.fluids[f].rho0;
-    const int n = static_cast<int>(particles.size());
-    Particles& s = particles;
-    double speed2 = 0, a2 = 0, compression = 0;
-    int worst = -1;
-#pragma omp parallel for schedule(static) reduction(max : speed2, a2, compression, worst)
-    for (int i = 0; i < n; ++i) {
-        const double ax = s.ax[i] + s.fx[i] + g[0], ay = s.ay[i] + s.fy[i] + g[1],
-                     az = s.az[i] + s.fz[i] + g[2];
-        s.vx[i] += kick * ax;
-        s.vy[i] += kick * ay;
-        s.vz[i] += kick * az;
-        s.x[i] += dt * s.vx[i];
-        s.y[i] += dt * s.vy[i];
-        s.z[i] += dt * s.vz[i];
-        if (heated) s.energy[i] += dt * heating_[i];
-        if (extrapolate) {
-            const double rate = s.drho_dt[i];
-            const double drho = dt * (rate + w * (rate - s.rate_before[i]));
-            if (heated)
-                s.energy[i] +=
-                    fluid_of(i).compression_work(s.p[i], s.drho[i], s.energy[i], drho);
-            s.drho[i] += drho;
-            s.rate_before[i] = rate;
-        }
-        const double v2 = s.vx[i] * s.vx[i] + s.vy[i] * s.vy[i] + s.vz[i] * s.vz[i];
-        speed2 = std::max(speed2, v2);
-        a2 = std::max(a2, ax * ax + ay * ay + az * az);
-        compression = std::max(compression, std::abs(s.drho[i]) * relative[s.fluid[i]]);
-        // one comparison catches NaN and infinity in velocity and density at once
-        if (!(v2 + std::abs(s.drho[i]) < 1e300)) worst = std::max(worst, i);
-    }
-    fastest_ = std::sqrt(speed2);
-    if (!shift_.empty()) shift_.move(dt, particles);
-    reach_ += (fastest_ + shift_.fastest) * dt;
-    travelled_ += (fastest_ + shift_.fastest + surface_.advance(dt)) * dt;
-    bodies_reach_ += bodies.fastest() * dt;
-    bodies_travelled_ += bodies.fastest() * dt;
-    return {fastest_, std::sqrt(a2), compression / rho0, viscous_limit(), worst < 0, worst};
 }
 
 Health FluidSystem::health() const {
@@ -653,15 +373,7 @@ void FluidSystem::remove_outside() {
             index_[s.id[i]] = -1;
             continue;
         }
-        if (kept != i) {
-            for (auto* a : {&s.x, &s.y, &s.z, &s.vx, &s.vy, &s.vz, &s.drho, &s.energy,
-                            &s.rate_before, &s.p, &s.fx, &s.fy, &s.fz})
-                (*a)[kept] = (*a)[i];
-            s.id[kept] = s.id[i];
-            s.fluid[kept] = s.fluid[i];
-            if (!s.viscosity.empty())
-                s.viscosity[kept] = s.viscosity[i], s.shear_rate[kept] = s.shear_rate[i];
-        }
+        if (kept != i) s.copy(i, kept);
         ++kept;
     }
     if (kept != s.size()) s.resize(kept);

@@ -1,6 +1,7 @@
 #pragma once
 // The state of the fluid: a structure of arrays, sorted along columns at each list rebuild.
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -30,10 +31,21 @@ struct Particles {
 
     std::size_t size() const { return x.size(); }
 
+    /// All that is one double of each particle.
+    std::array<std::vector<double>*, 13> reals() {
+        return {&x,  &y, &z, &vx, &vy, &vz, &drho, &energy, &rate_before, &p, &fx, &fy, &fz};
+    }
+
+    /// The state of particle `from`, identity included, becomes that of `to`; results of sums do not.
+    void copy(std::size_t from, std::size_t to) {
+        for (auto* a : reals()) (*a)[to] = (*a)[from];
+        id[to] = id[from];
+        fluid[to] = fluid[from];
+        if (!viscosity.empty()) viscosity[to] = viscosity[from], shear_rate[to] = shear_rate[from];
+    }
+
     void resize(std::size_t n) {
-        for (auto* a : {&x, &y, &z, &vx, &vy, &vz, &drho, &energy, &rate_before, &p, &fx,
-                        &fy, &fz})
-            a->resize(n, 0.0);
+        for (auto* a : reals()) a->resize(n, 0.0);
         id.resize(n);
         fluid.resize(n, 0);
         for (auto* a : {&ax, &ay, &az, &drho_dt}) a->resize((n + 7) / 8 * 8, 0.0f);

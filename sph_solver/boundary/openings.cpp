@@ -246,16 +246,10 @@ void Openings::append_copies(Particles& particles, std::vector<int>& index) {
     std::size_t i = p.size();
     p.resize(i + copies_.size());
     for (const Copy& copy : copies_) {
-        const int from = copy.source;
         Member& member = members_[copy.member];
-        for (auto* a :
-             {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &p.drho, &p.energy, &p.rate_before, &p.p})
-            (*a)[i] = (*a)[from];
+        p.copy(copy.source, i);
         for (auto* a : {&p.fx, &p.fy, &p.fz}) (*a)[i] = 0;
         (copy.axis == 0 ? p.x : copy.axis == 1 ? p.y : p.z)[i] += copy.shift;
-        p.fluid[i] = p.fluid[from];
-        if (!p.viscosity.empty())
-            p.viscosity[i] = p.viscosity[from], p.shear_rate[i] = p.shear_rate[from];
         p.id[i] = static_cast<std::int64_t>(index.size());
         index.push_back(static_cast<int>(i));
         role_.push_back(static_cast<std::uint8_t>(member.opening + 1));

@@ -65,9 +65,8 @@ void Neighborhood::sort(Particles& particles) {
     counting_sort(cell_, grid_.cells(), order_, fluid_start_);
     // one sweep out and one back instead of a parallel region per array
     Particles& p = particles;
-    std::vector<double>* const real[] = {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &p.drho, &p.energy,
-                                         &p.rate_before, &p.p, &p.fx, &p.fy, &p.fz};
-    constexpr int reals = std::size(real);
+    const auto real = p.reals();
+    constexpr int reals = std::tuple_size_v<decltype(p.reals())>;
     scratch_.resize(std::size_t(n) * reals);
     scratch_id_.resize(n);
     scratch_byte_.resize(n);
