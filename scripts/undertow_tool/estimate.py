@@ -8,7 +8,7 @@ import numpy as np
 PARTICLE_STEPS_PER_S = 14e6 / 2       # per core
 ELEMENT_STEPS_PER_S = 20e6            # per core, one-point hexahedra in double
 SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does not hide
-PARTICLE_BYTES = 400                  # state in double, packed copies, neighbor list
+PARTICLE_BYTES = 600                  # state in double, packed copies, neighbor list, share of walls
 ELEMENT_BYTES = 600                   # node and element state, connectivity
 SPH_STEP_MARGIN = 0.75                # a run's mean step over the estimate: impacts shorten it
 ONE_PASS, TWO_PASS = 0.25, 0.9        # c0 dt/dx of the two integrators, with their margins

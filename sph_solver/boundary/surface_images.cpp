@@ -37,6 +37,7 @@ void SurfaceImages::place(std::vector<std::int32_t> quad, std::vector<double> x)
     quad_ = std::move(quad);
     x_ = std::move(x);
     stale_ = true;
+    lift_.resize(expected_);
 }
 
 void SurfaceImages::find_near(const Particles& particles, double range) {

@@ -109,6 +109,8 @@ class Neighborhood {
     void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_bodies);
     double image_range(const Periodic& periodic) const;   // [m]
     void sort(Particles& particles);
+    template <class T>
+    void reorder(std::vector<T>& array, std::vector<T>& scratch) const;
     void find_smoothing(const Particles& particles, const SmoothingLengths& sizes);
     void find_extras(const Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
 
@@ -121,7 +123,7 @@ class Neighborhood {
     FixedPoint fixed_;
     int fluid_count_ = 0;
     std::vector<Extra> extras_, unsorted_extras_;
-    std::vector<Packed> records_, body_records_;
+    std::vector<Packed> records_;
     std::vector<int> fluid_start_, extra_start_, order_, body_targets_;
     std::vector<std::int64_t> cell_;
     std::vector<double> scratch_;

@@ -200,6 +200,14 @@ int main(int argc, char** argv) {
         const Speed s = speed(wide, {state}, true, size == 1 ? steps : std::max(1, steps / 3), 2);
         print(std::string("newtonian_two_pass") + names[size], s);
         tell(std::string("newtonian_two_pass") + names[size], s);
+        if (size == 1 && cores > 1) {
+            omp_set_num_threads(2);
+            const Speed two = speed(wide, {state}, true, steps, 3);
+            omp_set_num_threads(1);
+            figures.push_back(key("sph.two_thread_speedup_216k", two.wall / s.wall));
+            std::fprintf(stderr, "two threads: %.2f times the speed (wall), CPU efficiency %.2f\n",
+                         two.wall / s.wall, two.cpu / s.cpu);
+        }
         bytes = bytes_per_particle(wide, state);
     }
     figures.push_back(key("sph.bytes_per_particle", bytes));
