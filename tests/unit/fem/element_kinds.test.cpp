@@ -122,7 +122,8 @@ TEST_CASE("a free body keeps its momentum and its energy, whatever the element")
     Structure s = distorted(block_of(kind, {4, 4, 4}, nu));
     Nodes& nodes = s.nodes();
     for (std::size_t n = 0; n < nodes.size(); ++n)
-        for (int d = 0; d < 3; ++d) nodes.v[n].c[d] = std::sin(3.0 * nodes.x[n].c[(d + 1) % 3] + d);
+        for (int d = 0; d < 3; ++d)
+            nodes.v[n].c[d] = 1e-2 * std::sin(3.0 * nodes.x[n].c[(d + 1) % 3] + d);
     const auto momenta = [&](double(&p)[6]) {
         std::fill(p, p + 6, 0.0);
         for (std::size_t n = 0; n < nodes.size(); ++n)
@@ -147,8 +148,9 @@ TEST_CASE("a free body keeps its momentum and its energy, whatever the element")
     for (int k = 0; k < 6; ++k) drift = std::max(drift, std::abs(end[k] - start[k]) / mass);
     WARN(kind.name << ", nu " << nu << ": momenta drift by " << drift << " m/s, energy by "
                    << balance / first);
-    CHECK(drift < 1e-12);           // round-off of 1000 steps
-    CHECK(balance < 1e-4 * first);  // second order in the step
+    CHECK(drift < 1e-14);  // [m/s] round-off of 1000 steps
+    // the scheme's invariant is exact for a linear structure; strains here are 1e-5
+    CHECK(balance < 1e-5 * first);
 }
 
 TEST_CASE("the bound on an element's largest frequency is one, and not far from it") {
@@ -295,10 +297,11 @@ TEST_CASE("a traction pulls with its force, whatever the facets' shape") {
     c.fem.damping_alpha = 2000;  // first mode at 1600 1/s
     Structure s(build_model(c), 1);
     const double dt = s.stable_step().dt;
-    march(s, dt, int(0.02 / dt));
+    double reaction = 0;
+    march(s, dt, int(0.04 / dt), [&](int) { reaction = s.reaction(s.model().supports[0])[0]; });
     const std::int32_t tip = std::int32_t(s.nodes().size()) - 1;
     CHECK(s.displacement(tip)[0] == Approx(1e3 / 1e9).epsilon(1e-6));
-    CHECK(s.reaction(s.model().supports[0])[0] == Approx(-1e3 * 0.8 * 1.2).epsilon(1e-6));
+    CHECK(reaction == Approx(-1e3 * 0.8 * 1.2).epsilon(1e-6));
     CHECK(s.energies().external == Approx(1e3 * 0.96 * s.displacement(tip)[0]).epsilon(1e-3));
 }
 
