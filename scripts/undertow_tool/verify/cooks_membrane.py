@@ -18,7 +18,9 @@ def pressure_of_cells(run):
 
 
 def saw_tooth(pressure):
-    """What alternates from cell to cell in both directions, rms over rms: small like h^2 in a smooth field."""
+    """What alternates from cell to cell in both directions, rms over rms: small like h^2 in a smooth field. Without
+    the quarter next to the clamp, in whose upper corner the exact pressure has no bound."""
+    pressure = pressure[:, pressure.shape[1] // 4:]
     alternating = 0.25 * (pressure[1:, 1:] - pressure[:-1, 1:] - pressure[1:, :-1] + pressure[:-1, :-1])
     return float(np.sqrt(np.mean(alternating**2) / np.mean(pressure**2)))
 
