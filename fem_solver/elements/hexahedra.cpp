@@ -31,8 +31,7 @@ Hexahedra::Hexahedra(const Mesh& mesh, const std::vector<Part>& parts,
             const Shape shape([&](int corner) { return mesh.x[nodes[corner]].data(); });
             const ElementLaw& law = law_[batches_[b].part];
             const double mass = shape.D / 64 / law.inverse_density;
-            set_constants(b, l, mass,
-                          eigenvalue_bound(shape.C, shape.D, mass, law.lambda, law.mu));
+            set_constants(b, l, mass, eigenvalue_bound(shape.C, shape.D, mass, law.lambda, law.mu));
             for (int k = 0; k < 3; ++k) {
                 double squared = 0;
                 for (int d = 0; d < 3; ++d)
@@ -43,9 +42,8 @@ Hexahedra::Hexahedra(const Mesh& mesh, const std::vector<Part>& parts,
 }
 
 void Hexahedra::set_stress(std::int32_t element, const Symmetric<double>& stress) {
-    batches_.at_lanes_of(element, [&](std::size_t b, int l) {
-        set_lane(state_[b].stress, l, stress);
-    });
+    batches_.at_lanes_of(element,
+                         [&](std::size_t b, int l) { set_lane(state_[b].stress, l, stress); });
 }
 
 ExtremeElement Hexahedra::most_compressed(const Nodes& nodes) const {

@@ -6,8 +6,7 @@
 
 namespace undertow::fem {
 
-class Hexahedra final
-    : public BatchedGroup<8, HexahedronConstants<Lanes>, HexahedronState<Lanes>> {
+class Hexahedra final : public BatchedGroup<8, HexahedronConstants<Lanes>, HexahedronState<Lanes>> {
  public:
     /// Takes undeformed shapes from the mesh; every element in one part at most.
     Hexahedra(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity);
