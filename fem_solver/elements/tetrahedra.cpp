@@ -1,7 +1,13 @@
 #include "fem_solver/elements/tetrahedra.hpp"
 
+#include "fem_solver/elements/patches.hpp"
+
 namespace undertow::fem {
 namespace {
+
+// With 8 a mesh has about as many patches as nodes: a third as many constraints as it has freedoms,
+// as hexahedra have. 6 is as good, with fewer it locks.
+constexpr int patch_size = 8;
 
 /// Cofactors of the edges of at(corner)[d], and six times the volume.
 template <class At>
@@ -33,21 +39,33 @@ Tetrahedra::Tetrahedra(const Mesh& mesh, const std::vector<Part>& parts,
 }
 
 void Tetrahedra::number_patches(const Mesh& mesh, const std::vector<Part>& parts) {
-    patch_nodes_.resize(batches_.size());
-    std::int32_t count = 0;
-    std::vector<std::int32_t> index(mesh.x.size());
-    std::size_t b = 0;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        std::fill(index.begin(), index.end(), -1);
-        for (; b < batches_.size() && batches_[b].part == int(p); ++b)
-            for (int corner = 0; corner < 4; ++corner)
-                for (int l = 0; l < n_lanes; ++l) {
-                    std::int32_t& patch = index[batches_[b].node[corner][l]];
-                    if (patch < 0) patch = count++;
-                    patch_nodes_[b].node[corner][l] = patch;
-                }
+    patch_of_.resize(batches_.size());
+    std::vector<std::vector<std::int32_t>> slots;  // of each patch
+    for (const Part& part : parts) {
+        const std::vector<std::int32_t> patch = make_patches(mesh, part.elements, patch_size);
+        const std::size_t first = slots.size();
+        for (std::size_t i = 0; i < patch.size(); ++i) {
+            const std::size_t p = first + std::size_t(patch[i]);
+            slots.resize(std::max(slots.size(), p + 1));
+            slots[p].push_back(batches_.slot(part.elements[i]));
+            batches_.at_lanes_of(part.elements[i],
+                                 [&](std::size_t b, int l) { patch_of_[b][l] = std::int32_t(p); });
+        }
     }
-    patch_.resize(std::size_t(count));
+    patch_begin_ = {0};
+    for (const std::vector<std::int32_t>& of_patch : slots) {
+        patch_slot_.insert(patch_slot_.end(), of_patch.begin(), of_patch.end());
+        patch_begin_.push_back(std::int32_t(patch_slot_.size()));
+    }
+    dilatation_ = make_dilatation();
+}
+
+Tetrahedra::Dilatation Tetrahedra::make_dilatation() const {
+    Dilatation out;
+    out.volume.resize(batches_.size());
+    out.change.resize(batches_.size());
+    out.of_patch.resize(patches());
+    return out;
 }
 
 void Tetrahedra::set_stress(std::int32_t element, const Symmetric<double>& stress) {

@@ -1,5 +1,7 @@
 #pragma once
-// All tetrahedra with averaged nodal pressure: storage, and one step of all of them.
+// All tetrahedra with averaged pressure: storage, and one step of all of them.
+
+#include <array>
 
 #include "fem_solver/elements/batched_group.hpp"
 #include "fem_solver/elements/tetrahedron.hpp"
@@ -9,8 +11,8 @@ namespace undertow::fem {
 class Tetrahedra final
     : public BatchedGroup<4, TetrahedronConstants<Lanes>, TetrahedronState<Lanes>> {
  public:
-    /// Takes undeformed shapes from the mesh; every element in one part at most. Dilatations are
-    /// averaged within a part: pressures jump where materials meet.
+    /// Takes undeformed shapes from the mesh; every element in one part at most. Patches lie within
+    /// a part: pressures jump where materials meet.
     Tetrahedra(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity);
 
     void set_stress(std::int32_t element, const Symmetric<double>& stress) override;
@@ -19,24 +21,30 @@ class Tetrahedra final
     ExtremeElement most_compressed(const Nodes& nodes) const override;
     void write_stress(std::span<double> stress) const override;
 
+    std::size_t patches() const { return patch_begin_.size() - 1; }
+
  private:
-    /// Volumes around a node of a part and their change in the step, [m3] each.
-    using Patch = double __attribute__((vector_size(16)));
-    struct PatchNodes {
-        std::int32_t node[4][n_lanes];  // corner, lane -> index of a patch
+    /// Volumes of the elements and what they changed in the step [m3], [n_batches]; the patches'
+    /// dilatation.
+    struct Dilatation {
+        std::vector<Lanes> volume, change;
+        std::vector<double> of_patch;
     };
 
     void number_patches(const Mesh& mesh, const std::vector<Part>& parts);
-    void add_volumes(std::size_t batch, const NodeRows& x, const NodeRows& u, double dt,
-                     std::vector<Patch>& patch) const;
-    static void take_dilatation(std::vector<Patch>& patch, int threads);
-    Lanes dilatation(std::size_t batch, const std::vector<Patch>& patch) const;
+    Dilatation make_dilatation() const;
+    void find_volumes(std::size_t batch, const NodeRows& x, const NodeRows& v, double dt,
+                      Dilatation& out) const;
+    void average(Dilatation& out, int threads) const;
+    Lanes dilatation(std::size_t batch, const Dilatation& from) const;
     template <class Law>
     ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material);
 
-    std::vector<PatchNodes> patch_nodes_;  // [n_batches]
-    std::vector<Patch> patch_;  // per node and part: volume and change; after take_dilatation() the
-                                // dilatation first
+    std::vector<std::array<std::int32_t, n_lanes>> patch_of_;  // [n_batches]
+    // Of patch p the slots (batch * 8 + lane) from patch_slot_[patch_begin_[p]] on: sums are always
+    // taken in this order.
+    std::vector<std::int32_t> patch_begin_, patch_slot_;
+    Dilatation dilatation_;
 };
 
 }  // namespace undertow::fem

@@ -19,37 +19,37 @@ UNDERTOW_KERNEL void gather_step(const NodeRows& x_rows, const NodeRows& v_rows,
 
 }  // namespace
 
-void Tetrahedra::add_volumes(std::size_t b, const NodeRows& x_rows, const NodeRows& v_rows,
-                             double dt, std::vector<Patch>& patch) const {
-    Lanes x[3][4], dx[3][4], volume, change;
+void Tetrahedra::find_volumes(std::size_t b, const NodeRows& x_rows, const NodeRows& v_rows,
+                              double dt, Dilatation& out) const {
+    Lanes x[3][4], dx[3][4];
     gather_step(x_rows, v_rows, dt, batches_[b].node, x, dx);
-    volume_and_change(x, dx, volume, change);
-    for (int l = 0; l < batches_[b].valid; ++l) {
-        const Patch of_element = {volume[l], change[l]};
-        for (int corner = 0; corner < 4; ++corner)
-            patch[patch_nodes_[b].node[corner][l]] += of_element;
-    }
+    volume_and_change(x, dx, out.volume[b], out.change[b]);
 }
 
 /// Of the midpoint: change over the mean of the volumes before and after.
-void Tetrahedra::take_dilatation(std::vector<Patch>& patch, int threads) {
-    const auto take = [](Patch& p) { p[0] = p[1] / (p[0] - 0.5 * p[1]); };
-    const std::size_t n = patch.size();
+void Tetrahedra::average(Dilatation& out, int threads) const {
+    const auto average_patch = [&](std::size_t p) {
+        double volume = 0, change = 0;
+        for (std::int32_t i = patch_begin_[p]; i < patch_begin_[p + 1]; ++i) {
+            const std::int32_t slot = patch_slot_[i];
+            volume += out.volume[slot / n_lanes][slot % n_lanes];
+            change += out.change[slot / n_lanes][slot % n_lanes];
+        }
+        out.of_patch[p] = change / (volume - 0.5 * change);
+    };
+    const std::size_t n = patches();
     if (threads > 1) {
 #pragma omp parallel for schedule(static) num_threads(threads)
-        for (std::size_t i = 0; i < n; ++i) take(patch[i]);
+        for (std::size_t p = 0; p < n; ++p) average_patch(p);
     } else {
-        for (std::size_t i = 0; i < n; ++i) take(patch[i]);
+        for (std::size_t p = 0; p < n; ++p) average_patch(p);
     }
 }
 
-inline Lanes Tetrahedra::dilatation(std::size_t b, const std::vector<Patch>& patch) const {
-    Lanes mean;
-    for (int l = 0; l < n_lanes; ++l) {
-        const auto at = [&](int corner) { return patch[patch_nodes_[b].node[corner][l]][0]; };
-        mean[l] = 0.25 * ((at(0) + at(1)) + (at(2) + at(3)));
-    }
-    return mean;
+inline Lanes Tetrahedra::dilatation(std::size_t b, const Dilatation& from) const {
+    Lanes out;
+    for (int l = 0; l < n_lanes; ++l) out[l] = from.of_patch[patch_of_[b][l]];
+    return out;
 }
 
 template <class Law>
@@ -63,8 +63,8 @@ ElementsReport Tetrahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double d
         Lanes x[3][4], dx[3][4], f[3][4];
         gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
         ElementReport<Lanes> report;
-        step_tetrahedron(x, dx, dilatation(b, patch_), dt, constants_[b], material, law, state_[b],
-                         f, report);
+        step_tetrahedron(x, dx, dilatation(b, dilatation_), dt, constants_[b], material, law,
+                         state_[b], f, report);
         scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
         omega2_[b] = report.omega2;
         collect(sum, report, constants_[b].omega2_reference, batch.valid);
@@ -77,13 +77,12 @@ ElementsReport Tetrahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double d
 }
 
 ElementsReport Tetrahedra::step(Nodes& nodes, double dt, int threads) {
-    std::fill(patch_.begin(), patch_.end(), Patch{});
     batches_.sweep(threads, [&](const Chunk& chunk) {
         for (std::int32_t b = chunk.begin; b < chunk.end; ++b)
-            add_volumes(b, nodes.x, nodes.v, dt, patch_);
+            find_volumes(b, nodes.x, nodes.v, dt, dilatation_);
         return ElementsReport{};
     });
-    take_dilatation(patch_, threads);
+    average(dilatation_, threads);
     return batches_.sweep(threads, [&](const Chunk& chunk) {
         return std::visit([&](const auto& law) { return step_chunk(chunk, nodes, dt, law); },
                           parts_[batches_[chunk.begin].part].material);
@@ -92,9 +91,9 @@ ElementsReport Tetrahedra::step(Nodes& nodes, double dt, int threads) {
 
 void Tetrahedra::subtract_tangent_forces(const NodeRows& x_rows, const NodeRows& u,
                                          NodeRows& f_rows) const {
-    std::vector<Patch> patch(patch_.size(), Patch{});
-    for (std::size_t b = 0; b < batches_.size(); ++b) add_volumes(b, x_rows, u, 1, patch);
-    take_dilatation(patch, 1);
+    Dilatation of_u = make_dilatation();
+    for (std::size_t b = 0; b < batches_.size(); ++b) find_volumes(b, x_rows, u, 1, of_u);
+    average(of_u, 1);
     for (std::size_t b = 0; b < batches_.size(); ++b) {
         const Batches<4>::Batch& batch = batches_[b];
         ElementLaw law = law_[batch.part];
@@ -103,7 +102,7 @@ void Tetrahedra::subtract_tangent_forces(const NodeRows& x_rows, const NodeRows&
         gather_step(x_rows, u, 1, batch.node, x, dx);
         TetrahedronState<Lanes> state = {};
         ElementReport<Lanes> report;
-        step_tetrahedron(x, dx, dilatation(b, patch), 1.0, constants_[b],
+        step_tetrahedron(x, dx, dilatation(b, of_u), 1.0, constants_[b],
                          elastic_moduli(parts_[batch.part].material), law, state, f, report);
         scatter_corners(f_rows.data(), batch.node, batch.valid, f);
     }

@@ -1,14 +1,14 @@
 #pragma once
-// The 4-node tetrahedron with averaged nodal pressure: shear by its own constant strain, change of
-// volume by the mean over the elements around each of its nodes, so that it can be used near
-// incompressibility.   [Bonet and Burton 1998; as a strain projection: Bonet, Marriott and Hassan
-// 2001]
+// The 4-node tetrahedron with averaged pressure: shear by its own constant strain, change of volume
+// by the mean over a patch of about eight neighbors, so that it can be used near incompressibility.
+//   [F-bar-Patch: de Souza Neto, Andrade Pires and Owen 2005]
 //
-// A step has two passes. The first adds up, at each node, the volumes of the elements around it and
-// their changes in the step. The second takes the dilatation of an element as the mean of its four
-// nodes', theta = 1/4 sum_a dV_a/V_a, and everything else from its own shape. Forces are those of
-// the element's own mean stress: elastically the energy is sum_a V_a kappa/2 theta_a^2, and the
-// stiffness is symmetric.
+// A step has two passes. The first finds the volumes of all elements and their changes in the step;
+// a patch adds them up: theta = sum dV/sum V. The second takes the patch's dilatation and
+// everything else from the element's own shape. Forces are those of the element's own mean stress:
+// elastically the energy is sum_p V_p kappa/2 theta_p^2, and the stiffness is symmetric. Averages
+// over the elements around each node (Bonet and Burton 1998) were measured too:
+// docs/theory_fem.md, 13.
 //
 // T = double is the readable reference, T = Lanes eight elements side by side.
 
@@ -74,7 +74,7 @@ UNDERTOW_KERNEL void volume_and_change(const T (&x)[3][4], const T (&dx)[3][4], 
 }
 
 /// omega^2 <= (4/m) V (lambda tr g + 2 mu |g|), lambda >= 0, g_ij = b_iI b_jI.   [1/s2]
-/// The element's own dilatation bounds the averaged one, whose energy is smaller.
+/// The elements' own dilatations bound the averaged one, whose energy is smaller.
 template <class T>
 UNDERTOW_KERNEL T tetrahedron_eigenvalue_bound(const T (&c)[3][3], const T& det, const T& mass,
                                                double lambda, double mu) {
@@ -94,8 +94,8 @@ UNDERTOW_KERNEL T tetrahedron_eigenvalue_bound(const T (&c)[3][3], const T& det,
            (mass * det);
 }
 
-/// One step. x [m] positions at n, dx [m] displacements from n-1 to n, dilatation: the mean of the
-/// nodes', f [N] internal forces at n.
+/// One step. x [m] positions at n, dx [m] displacements from n-1 to n, dilatation: the patch's,
+/// f [N] internal forces at n.
 template <class T, class Material>
 UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], const T& dilatation,
                                       double dt, const TetrahedronConstants<T>& element,

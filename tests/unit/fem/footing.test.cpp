@@ -86,8 +86,8 @@ TEST_CASE("8-point hexahedra and tetrahedra find the footing's limit load as wel
                                          BlockCells::tetrahedra);
     WARN("strip footing, 4 cells on the half width, Nc over 2 + pi: 8-point hexahedra "
          << eight.Nc / prandtl << ", tetrahedra " << four.Nc / prandtl);
-    CHECK(eight.Nc == Approx(prandtl).epsilon(0.1));
-    CHECK(four.Nc == Approx(prandtl).epsilon(0.15));
+    CHECK(eight.Nc == Approx(prandtl).epsilon(0.025));
+    CHECK(four.Nc == Approx(prandtl).epsilon(0.05));
     CHECK(eight.hourglass == 0);
 }
 
