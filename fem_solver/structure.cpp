@@ -19,7 +19,7 @@ constexpr std::int64_t steps_between_shape_checks = 256;
 constexpr double lost_corner = -1;
 
 /// [kg] of all nodes: from the elements that deform and from the rigid bodies.
-std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
+std::vector<double> masses_of(const Elements& elements, const Model& model) {
     std::vector<double> mass = elements.nodal_masses(model.mesh.x.size());
     for (const RigidSet& body : model.rigid)
         for (std::size_t i = 0; i < body.nodes.size(); ++i) mass[body.nodes[i]] += body.mass[i];
@@ -119,6 +119,11 @@ void Structure::find_frequency() {
     // less than this.
     constexpr double margin = 1.01;
     if (report_.omega2 == 0) return;  // nothing deforms
+    if (elements_.rotates()) {        // the search knows nodes that move, not nodes that turn
+        tightening_ = 1;
+        elements_.accept_shape();
+        return;
+    }
     const LargestFrequency found = find_largest_frequency(elements_, nodes_);
     tightening_ =
         found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;
@@ -140,6 +145,10 @@ void Structure::pressure_forces(double t) {
     for (PressureLoad& pressure : model_.pressures) {
         pressure.evaluate(t, nodes_.x);
         pressure.load.add_to(nodes_.f);
+    }
+    for (TractionLoad& traction : model_.tractions) {
+        traction.evaluate(t);
+        traction.load.add_to(nodes_.f);
     }
 }
 
@@ -174,6 +183,7 @@ void Structure::release_far_field() {
 
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
+    for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
     model_.far_field.before_kick(nodes_, dt_);
@@ -181,6 +191,7 @@ void Structure::kick(double dt) {
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
     kick_ = fem::kick(nodes_, step, threads_);
     model_.far_field.after_kick(nodes_, step, kick_);
+    kick_ += elements_.kick(step, threads_);
     for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
@@ -189,19 +200,23 @@ void Structure::kick(double dt) {
 
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
+    for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
+    elements_.drift(dt, threads_);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
 }
 
 void Structure::hold() {
+    elements_.hold();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
 }
 
 void Structure::stop() {
+    elements_.stop();
     for (NodeRow& v : nodes_.v) v = NodeRow{};
     for (RigidBody& body : bodies_) body.stop(nodes_);
     dt_ = 0;
@@ -216,6 +231,7 @@ void Structure::count_from_here() {
     model_.far_field.reset_work();
     if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
+    for (TractionLoad& traction : model_.tractions) traction.load.work = 0;
     for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
 }
@@ -339,6 +355,7 @@ Energies Structure::energies() const {
         e.pair_damping += pair.damping_work();
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
+    for (const TractionLoad& traction : model_.tractions) e.external += traction.load.work;
     e.contact = contact_.work;
     return e;
 }

@@ -46,7 +46,7 @@ Material make_material(const FemMaterial& m) {
 
 std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
     std::vector<Part> parts;
-    std::vector<int> part_of(mesh.hexahedra.size(), -1);
+    std::vector<int> part_of(mesh.n_elements(), -1);
     for (const FemPart& p : fem.part) {
         const auto material = std::find_if(fem.material.begin(), fem.material.end(),
                                            [&](const auto& m) { return m.name == p.material; });
@@ -54,7 +54,7 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
             throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
                              p.material + "\".");
         Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
-                  make_material(*material), material->weight_density};
+                  make_material(*material), material->weight_density, p.element};
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +
@@ -152,6 +152,9 @@ Model build_model(const Case& c, Mesh mesh) {
     check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
+    for (const FemTraction& t : c.fem.traction)
+        model.tractions.emplace_back(model.mesh.facets_of(t.set, "fem.traction"), model.mesh.x,
+                                     t.value, t.ramp);
     model.surface = make_surface(c.fem, model.mesh);
     model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
     model.far_field = make_far_field(c.fem, model.mesh, model.parts);

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "fem_solver/boundary/pressure.hpp"
+#include "fem_solver/boundary/traction.hpp"
 #include "fem_solver/contact_pairs/contact_set.hpp"
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
@@ -39,6 +40,7 @@ struct Model {
     BulkViscosity bulk_viscosity;
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
+    std::vector<TractionLoad> tractions;
     CoupledSurface surface;
     std::vector<InitialStress> initial_stress;
     AbsorbingBoundary far_field;
