@@ -6,11 +6,15 @@
 namespace undertow::fem {
 namespace {
 
-std::vector<std::int32_t> flat_hexahedra(const Mesh& mesh) {
-    std::vector<std::int32_t> flat;
-    flat.reserve(8 * mesh.hexahedra.size());
-    for (const Hexahedron& h : mesh.hexahedra) flat.insert(flat.end(), h.begin(), h.end());
-    return flat;
+template <class Cells>
+std::vector<std::int32_t> flat(const Cells& cells) {
+    std::vector<std::int32_t> all;
+    for (const auto& cell : cells) all.insert(all.end(), cell.begin(), cell.end());
+    return all;
+}
+
+MeshCells cells_of(const Mesh& mesh) {
+    return {flat(mesh.hexahedra), flat(mesh.tetrahedra), flat(mesh.shells)};
 }
 
 /// Columns of what a scene has no part of are left out.
@@ -78,7 +82,7 @@ std::vector<std::string> history_notes(const Model& model) {
 Output::Output(const std::string& folder, const Case& c, const Structure& structure,
                std::optional<Settlement> settlement)
     : folder_(folder),
-      mesh_(folder + "/fem", structure.nodes().size(), flat_hexahedra(structure.model().mesh)),
+      mesh_(folder + "/fem", structure.nodes().size(), cells_of(structure.model().mesh)),
       energy_(folder + "/energy.fem.csv",
               {"energies of the structure at t; what went in is external (weight, pressure) and "
                "contact work",

@@ -19,7 +19,7 @@ constexpr std::int64_t steps_between_shape_checks = 256;
 constexpr double lost_corner = -1;
 
 /// [kg] of all nodes: from the elements that deform and from the rigid bodies.
-std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
+std::vector<double> masses_of(const Elements& elements, const Model& model) {
     std::vector<double> mass = elements.nodal_masses(model.mesh.x.size());
     for (const RigidSet& body : model.rigid)
         for (std::size_t i = 0; i < body.nodes.size(); ++i) mass[body.nodes[i]] += body.mass[i];
@@ -119,6 +119,11 @@ void Structure::find_frequency() {
     // less than this.
     constexpr double margin = 1.01;
     if (report_.omega2 == 0) return;  // nothing deforms
+    if (elements_.rotates()) {        // the search knows nodes that move, not nodes that turn
+        tightening_ = 1;
+        elements_.accept_shape();
+        return;
+    }
     const LargestFrequency found = find_largest_frequency(elements_, nodes_);
     tightening_ =
         found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;
@@ -181,6 +186,7 @@ void Structure::kick(double dt) {
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
     kick_ = fem::kick(nodes_, step, threads_);
     model_.far_field.after_kick(nodes_, step, kick_);
+    kick_ += elements_.kick(step, threads_);
     for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
@@ -193,15 +199,18 @@ void Structure::drift(double dt) {
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
+    elements_.drift(dt, threads_);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
 }
 
 void Structure::hold() {
+    elements_.hold();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
 }
 
 void Structure::stop() {
+    elements_.stop();
     for (NodeRow& v : nodes_.v) v = NodeRow{};
     for (RigidBody& body : bodies_) body.stop(nodes_);
     dt_ = 0;

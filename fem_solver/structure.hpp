@@ -9,7 +9,7 @@
 
 #include "fem_solver/boundary/nodal_load.hpp"
 #include "fem_solver/contact_pairs/contact_pair.hpp"
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/element_groups.hpp"
 #include "fem_solver/nodes.hpp"
 #include "fem_solver/rigid/rigid_body.hpp"
 #include "fem_solver/setup/model.hpp"
@@ -107,7 +107,8 @@ class Structure {
     const Model& model() const { return model_; }
     const Nodes& nodes() const { return nodes_; }
     Nodes& nodes() { return nodes_; }
-    const Hexahedra& elements() const { return elements_; }
+    const Elements& elements() const { return elements_; }
+    Elements& elements() { return elements_; }
     const ElementsReport& report() const { return report_; }
     std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
     const std::vector<RigidBody>& bodies() const { return bodies_; }
@@ -125,7 +126,7 @@ class Structure {
     void pair_forces();
 
     Model model_;
-    Hexahedra elements_;
+    Elements elements_;
     Nodes nodes_;
     NodalLoad contact_;
     std::vector<RigidBody> bodies_;

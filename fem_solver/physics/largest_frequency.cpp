@@ -44,7 +44,7 @@ double pseudo_random(std::uint64_t& state) {
 
 }  // namespace
 
-LargestFrequency find_largest_frequency(const Hexahedra& elements, const Nodes& nodes) {
+LargestFrequency find_largest_frequency(const Elements& elements, const Nodes& nodes) {
     constexpr int max_iterations = 200;
     const std::size_t n = nodes.size();
     NodeRows root(n), q(n), q_old(n), u(n), w(n);  // root = M^-1/2 per direction, 0 where held

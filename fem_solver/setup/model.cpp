@@ -46,7 +46,7 @@ Material make_material(const FemMaterial& m) {
 
 std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
     std::vector<Part> parts;
-    std::vector<int> part_of(mesh.hexahedra.size(), -1);
+    std::vector<int> part_of(mesh.n_elements(), -1);
     for (const FemPart& p : fem.part) {
         const auto material = std::find_if(fem.material.begin(), fem.material.end(),
                                            [&](const auto& m) { return m.name == p.material; });
@@ -54,7 +54,7 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
             throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
                              p.material + "\".");
         Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
-                  make_material(*material), material->weight_density};
+                  make_material(*material), material->weight_density, p.element};
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +

@@ -7,7 +7,7 @@
 
 #include "fem_solver/boundary/pressure.hpp"
 #include "fem_solver/contact_pairs/contact_set.hpp"
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"

@@ -12,10 +12,10 @@ class Skin {
  public:
     explicit Skin(const Mesh& mesh);
 
-    /// The quad, counter-clockwise seen from outside. InputError when it is no face of a hexahedron
+    /// The quad, counter-clockwise seen from outside. InputError when it is no face of an element
     /// or lies between two; `what` names it.
     Quad outward(const Quad& quad, const std::string& what) const;
-    /// The quad as it is. InputError when it is a face of a hexahedron.
+    /// The quad as it is. InputError when it is a face of an element.
     Quad outside(const Quad& quad, const std::string& what) const;
 
  private:

@@ -236,9 +236,14 @@ struct FemMaterial {                     // [[fem.material]]
     double shear_strength = 0;           // [Pa] s_u of "tresca"
 };
 
+/// How the elements of a part compute their stress. `automatic`: hexahedra "one_point", tetrahedra
+/// "averaged_pressure".
+enum class ElementFormulation { automatic, one_point, b_bar, averaged_pressure };
+
 struct FemPart {                         // [[fem.part]]
     std::string set;                     // volume set of the mesh ($PhysicalNames)
     std::string material;
+    ElementFormulation element = ElementFormulation::automatic;  // "one_point", "b_bar"
 };
 
 struct FemSupport {                      // [[fem.support]]

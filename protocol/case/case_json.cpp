@@ -37,6 +37,12 @@ const char* name(EquationOfState v) {
 const char* name(Slip v) {
     return v == Slip::free_slip ? "free" : v == Slip::no_slip ? "no_slip" : "friction";
 }
+const char* name(ElementFormulation v) {
+    return v == ElementFormulation::one_point           ? "one_point"
+           : v == ElementFormulation::b_bar             ? "b_bar"
+           : v == ElementFormulation::averaged_pressure ? "averaged_pressure"
+                                                        : "auto";
+}
 const char* name(StiffnessLaw v) {
     return v == StiffnessLaw::fluid ? "fluid" : "eq11";
 }
@@ -220,7 +226,7 @@ void to_json(Json& j, const FemMaterial& v) {
          {"shear_strength", v.shear_strength}};
 }
 void to_json(Json& j, const FemPart& v) {
-    j = {{"set", v.set}, {"material", v.material}};
+    j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)}};
 }
 void to_json(Json& j, const FemSupport& v) {
     j = {{"set", v.set}, {"fix", v.fix}};

@@ -159,6 +159,8 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         read_set(entry, part.set, fem, {"block"});
         entry.require("material", "the name of a [[fem.material]]");
         entry.word("material", part.material, materials);
+        entry.choice<ElementFormulation>("element", part.element,
+                                         {{"one_point", ElementFormulation::one_point}});
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();
