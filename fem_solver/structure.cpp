@@ -40,6 +40,10 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    for (const Support& support : model_.supports)
+        for (std::int32_t n : support.nodes)
+            for (int d = 0; d < 3; ++d)
+                if (support.turned[d]) elements_.hold_rotation(n, d);
     model_.far_field.hold(nodes_);
     for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
@@ -119,11 +123,6 @@ void Structure::find_frequency() {
     // less than this.
     constexpr double margin = 1.01;
     if (report_.omega2 == 0) return;  // nothing deforms
-    if (elements_.rotates()) {        // the search knows nodes that move, not nodes that turn
-        tightening_ = 1;
-        elements_.accept_shape();
-        return;
-    }
     const LargestFrequency found = find_largest_frequency(elements_, nodes_);
     tightening_ =
         found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/shells/shells.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -17,12 +18,15 @@ struct Kind {
 };
 constexpr Kind kinds[] = {
     {ElementFormulation::one_point, ElementShape::hexahedron, "one_point"},
+    {ElementFormulation::shell, ElementShape::shell, "shell"},
 };
 
 std::unique_ptr<ElementGroup> make_group(const Kind& kind, const Mesh& mesh,
                                          const std::vector<Part>& parts,
                                          const BulkViscosity& viscosity) {
     switch (kind.formulation) {
+        case ElementFormulation::shell:
+            return std::make_unique<Shells>(mesh, parts);
         default:
             return std::make_unique<Hexahedra>(mesh, parts, viscosity);
     }
@@ -58,7 +62,7 @@ Elements::Elements(const Mesh& mesh, const std::vector<Part>& parts, const BulkV
         const LinearElastic& moduli = elastic_moduli(part.material);
         wave_speed_ =
             std::max(wave_speed_, std::sqrt((moduli.lambda + 2 * moduli.mu) / part.density));
-        any_plastic_ |= is_plastic(part.material);
+        any_plastic_ |= is_plastic(part.material) || part.plane_plastic;
         std::vector<std::vector<std::int32_t>> split(std::size(kinds));
         for (std::int32_t e : part.elements) {
             part_of_[e] = std::int32_t(p);
@@ -120,6 +124,12 @@ bool Elements::rotates() const {
                        [](const auto& group) { return group->rotates(); });
 }
 
+std::span<const NodeRow> Elements::inverse_inertia() const {
+    for (const auto& group : groups_)
+        if (group->rotates()) return group->inverse_inertia();
+    return {};
+}
+
 KickReport Elements::kick(const Kick& step, int threads) {
     KickReport sum;
     for (const auto& group : groups_)
@@ -133,6 +143,10 @@ void Elements::drift(double dt, int threads) {
 
 void Elements::hold() {
     for (const auto& group : groups_) group->hold();
+}
+
+void Elements::hold_rotation(std::int32_t node, int axis) {
+    for (const auto& group : groups_) group->hold_rotation(node, axis);
 }
 
 void Elements::stop() {

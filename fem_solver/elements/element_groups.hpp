@@ -36,10 +36,12 @@ class Elements {
     void accept_shape();
 
     bool rotates() const;
+    std::span<const NodeRow> inverse_inertia() const;  // of the one group that rotates
     KickReport kick(const Kick& step, int threads);
     void drift(double dt, int threads);
     void hold();
     void stop();
+    void hold_rotation(std::int32_t node, int axis);
 
     std::size_t stiffest() const;
     std::size_t most_compressed(const Nodes& nodes) const;

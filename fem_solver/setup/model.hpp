@@ -17,7 +17,8 @@ namespace undertow::fem {
 struct Support {
     std::string name;  // its set
     std::vector<std::int32_t> nodes;
-    std::array<bool, 3> fixed{};  // x, y, z
+    std::array<bool, 3> fixed{};   // x, y, z
+    std::array<bool, 3> turned{};  // rotations about x, y, z that are held; of nodes of shells
 };
 
 /// The coupled surfaces as one list of facets on their own nodes.

@@ -30,8 +30,8 @@ Shells::Shells(const Mesh& mesh, const std::vector<Part>& parts)
     for (const Part& part : parts) {
         law_.push_back(make_law(part));
         const ShellLaw& law = law_.back();
-        if (const J2* j2 = std::get_if<J2>(&part.material))
-            section_.push_back(PlasticSection{law.thickness, *j2});
+        if (part.plane_plastic)
+            section_.push_back(PlasticSection{law.thickness, *part.plane_plastic});
         else
             section_.push_back(ElasticSection{law.thickness, law.plane_modulus, law.poisson_ratio});
     }
@@ -137,12 +137,6 @@ void Shells::drift(double /*dt*/, int /*threads*/) {
 
 void Shells::accept_shape() {
     for (std::size_t b = 0; b < batches_.size(); ++b) constants_[b].omega2_reference = omega2_[b];
-}
-
-void Shells::subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const {
-    const NodeRows still(turning_.size());
-    NodeRows moment(turning_.size());
-    subtract_tangent(x, u, still, f, moment);
 }
 
 ExtremeElement Shells::most_compressed(const Nodes& nodes) const {

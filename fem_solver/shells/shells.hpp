@@ -28,10 +28,12 @@ class Shells final : public ElementGroup {
     void accept_shape() override;
 
     bool rotates() const override { return true; }
+    std::span<const NodeRow> inverse_inertia() const override { return turning_.inverse_inertia; }
     KickReport kick(const Kick& step, int threads) override;
     void drift(double dt, int threads) override;
     void hold() override { turning_.clear_moments(); }
     void stop() override { turning_.stop(); }
+    void hold_rotation(std::int32_t node, int axis) override { turning_.hold(node, axis); }
 
     ExtremeElement stiffest() const override { return batches_.largest(omega2_); }
     ExtremeElement most_compressed(const Nodes& nodes) const override;
@@ -39,10 +41,6 @@ class Shells final : public ElementGroup {
     void write_stress(std::span<double> stress) const override;
     void write_plastic_strain(std::span<double> strain) const override;
 
-    /// Moments [N m] about the nodes and inertia [1/(kg m2)]: K (u, phi) of the stress-free material
-    /// in the shape x, subtracted from f and m; rows of phi and m as turning().node has them.
-    void subtract_tangent(const NodeRows& x, const NodeRows& u, const NodeRows& phi, NodeRows& f,
-                          NodeRows& m) const;
     const TurningNodes& turning() const { return turning_; }
     TurningNodes& turning() { return turning_; }
 

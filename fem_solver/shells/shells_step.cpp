@@ -99,8 +99,10 @@ ElementsReport Shells::step(Nodes& nodes, double dt, int threads) {
     });
 }
 
-void Shells::subtract_tangent(const NodeRows& x_rows, const NodeRows& u, const NodeRows& phi,
-                              NodeRows& f_rows, NodeRows& m_rows) const {
+void Shells::subtract_tangent_forces(const NodeRows& x_rows, const NodeRows& u,
+                                     NodeRows& f_rows) const {
+    const NodeRow* phi = u.data() + x_rows.size();  // rotations follow the displacements
+    NodeRow* moments = f_rows.data() + x_rows.size();
     for (std::size_t b = 0; b < batches_.size(); ++b) {
         const auto& batch = batches_[b];
         const ShellLaw& law = law_[batch.part];
@@ -108,7 +110,7 @@ void Shells::subtract_tangent(const NodeRows& x_rows, const NodeRows& u, const N
         Lanes x[3][4], dx[3][4], dphi[3][4], f[3][4], m[3][4];
         gather_corners(x_rows.data(), batch.node, x);
         gather_corners(u.data(), batch.node, dx);
-        gather_corners(phi.data(), corners_[b].node, dphi);
+        gather_corners(phi, corners_[b].node, dphi);
         ShellState<Lanes> state = {};
         Resultants<Lanes> kept = {}, resultants;
         ShellReport<Lanes> report;
@@ -116,7 +118,7 @@ void Shells::subtract_tangent(const NodeRows& x_rows, const NodeRows& u, const N
         step_shell(x, dx, dphi, constants_[b], section, law, kept, state, resultants, f, m, report,
                    frame);
         scatter_corners(f_rows.data(), batch.node, batch.valid, f);
-        scatter_corners(m_rows.data(), corners_[b].node, batch.valid, m);
+        scatter_corners(moments, corners_[b].node, batch.valid, m);
     }
 }
 

@@ -50,7 +50,9 @@ void read_material(TableReader& reader, FemMaterial& material) {
     reader.text("name", material.name);
     reader.choice<MaterialKind>(
         "kind", material.kind,
-        {{"linear_elastic", MaterialKind::linear_elastic}, {"tresca", MaterialKind::tresca}});
+        {{"linear_elastic", MaterialKind::linear_elastic},
+         {"tresca", MaterialKind::tresca},
+         {"j2", MaterialKind::j2}});
     reader.number("density", material.density, positive("kg/m3"));
     double weight_density = 0;
     reader.number("weight_density", weight_density, any("kg/m3"));
@@ -61,7 +63,15 @@ void read_material(TableReader& reader, FemMaterial& material) {
     if (material.kind == MaterialKind::tresca)
         reader.require("shear_strength", "the undrained shear strength s_u in Pa");
     else if (reader.has("shear_strength"))
-        reader.reject("shear_strength", "has no effect on kind = \"linear_elastic\".");
+        reader.reject("shear_strength", "has an effect on kind = \"tresca\" alone.");
+    reader.number("yield_stress", material.yield_stress, positive("Pa"));
+    reader.number("hardening", material.hardening, at_least(0, "Pa"));
+    if (material.kind == MaterialKind::j2) {
+        reader.require("yield_stress", "the yield stress in uniaxial tension in Pa");
+        return;
+    }
+    for (const char* key : {"yield_stress", "hardening"})
+        if (reader.has(key)) reader.reject(key, "has an effect on kind = \"j2\" alone.");
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.
@@ -160,13 +170,24 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         entry.require("material", "the name of a [[fem.material]]");
         entry.word("material", part.material, materials);
         entry.choice<ElementFormulation>("element", part.element,
-                                         {{"one_point", ElementFormulation::one_point}});
+                                         {{"one_point", ElementFormulation::one_point},
+                                          {"shell", ElementFormulation::shell}});
+        entry.number("thickness", part.thickness, positive("m"));
+        if (part.element == ElementFormulation::shell)
+            entry.require("thickness", "the thickness of the shell in m");
+        else if (entry.has("thickness"))
+            entry.reject("thickness", "has an effect with element = \"shell\" alone.");
+        if (part.element == ElementFormulation::shell && fem.block)
+            entry.reject("element",
+                         "= \"shell\" needs quads, but [fem.block] is made of hexahedra; bring the "
+                         "shell in a fem.mesh, as a physical surface.");
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();
         read_set(entry, support.set, fem, with(block_facets, "block"));
-        entry.require("fix", "a list of \"x\", \"y\", \"z\"");
-        entry.words("fix", support.fix, {"x", "y", "z"});
+        entry.require("fix", "a list of \"x\", \"y\", \"z\", and of shells \"rx\", \"ry\", \"rz\", "
+                             "\"clamp\"");
+        entry.words("fix", support.fix, {"x", "y", "z", "rx", "ry", "rz", "clamp"});
     });
     reader.tables("pressure", [&](TableReader& entry) {
         FemPressure& pressure = fem.pressure.emplace_back();

@@ -219,5 +219,103 @@ TEST_CASE("thin square plate under pressure", "[shell course]") {
     }
 }
 
+/// Lowest angular frequencies by inverse iteration on a subspace.
+std::vector<double> lowest_frequencies(const ShellModel& model, const std::vector<int>& fixed,
+                                       int wanted) {
+    const int n = 6 * int(model.x.size()), size = wanted + 4;
+    Eigen::VectorXd mass = Eigen::VectorXd::Zero(n);
+    for (const auto& q : model.quad) {
+        const Eigen::Matrix<double, 24, 1> m = lumped_mass(model, q);
+        for (int k = 0; k < 24; ++k) mass(6 * q[k / 6] + k % 6) += m(k);
+    }
+    for (int k : fixed) mass(k) = 0;
+    for (std::size_t k = 0; k < model.x.size(); ++k) mass(6 * int(k) + 5) = 0;  // flat: no drilling
+    std::vector<Eigen::VectorXd> q(size);
+    for (int k = 0; k < size; ++k)
+        q[k] = Eigen::VectorXd::NullaryExpr(n, [&](int i) { return std::sin(0.7 * (k + 1) * i); });
+    std::vector<double> values;
+    for (int iteration = 0; iteration < 12; ++iteration) {
+        Eigen::MatrixXd K(size, size), M(size, size);
+        std::vector<Eigen::VectorXd> solved;
+        for (int k = 0; k < size; ++k)
+            solved.push_back(solve(model, fixed, mass.cwiseProduct(q[k])));
+        for (int i = 0; i < size; ++i)
+            for (int j = 0; j < size; ++j) {
+                K(i, j) = solved[i].dot(mass.cwiseProduct(q[j]));
+                M(i, j) = solved[i].dot(mass.cwiseProduct(solved[j]));
+            }
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
+            0.5 * (K + K.transpose()), M);
+        values.clear();
+        for (int k = 0; k < size; ++k) {
+            q[k].setZero();
+            for (int i = 0; i < size; ++i) q[k] += modes.eigenvectors()(i, k) * solved[i];
+            values.push_back(std::sqrt(modes.eigenvalues()(k)));
+        }
+    }
+    values.resize(wanted);
+    return values;
+}
+
+TEST_CASE("frequencies of a cantilever plate", "[shell course]") {
+    // square, nu = 0.3: omega a^2 sqrt(rho t/D)  [Leissa 1973, J. Sound Vib. 31, 257]
+    const double reference[4] = {3.4917, 8.5246, 21.429, 27.331};
+    std::string text = "cantilever plate, frequencies over Leissa's (Ritz: from above):";
+    std::vector<double> last;
+    for (int n : {4, 8, 16}) {
+        ShellModel model = shell_grid(
+            n, n, [](double u, double v) -> std::array<double, 3> { return {u, v, 0}; });
+        model.thickness = 1e-3;
+        model.poisson_ratio = 0.3;
+        model.young_modulus = 12 * (1 - 0.09) / 1e-9;  // D = 1
+        model.density = 1e3;                           // rho t = 1
+        std::vector<int> fixed;
+        fix(fixed, model, {0, 1, 2, 3, 4, 5}, [](const auto& x) { return same(x[0], 0); });
+        last = lowest_frequencies(model, fixed, 4);
+        text += " " + std::to_string(n) + ":";
+        for (int k = 0; k < 4; ++k) {
+            last[k] = last[k] / reference[k] - 1;
+            char one[40];
+            std::snprintf(one, sizeof one, " %+.2f %%", 100 * last[k]);
+            text += one;
+        }
+    }
+    WARN(text);
+    for (double error : last) CHECK(std::abs(error) < 0.01);
+}
+
+TEST_CASE("a corner of two shells carries moments: the turn about one's normal bends the other",
+          "[shell course]") {
+    // column of height H, arm of length a, load P at its end: P (a^3/3 + a^2 H)/(E I), and shear
+    const double H = 2, a = 1, b = 0.1, t = 0.02, E = 1e7;
+    const int n = 16;
+    ShellModel model = shell_grid(2 * n + n, 1, [&](double u, double v) -> std::array<double, 3> {
+        const double s = u * (H + a);
+        return {s < H ? 0.0 : s - H, b * v, std::min(s, H)};
+    });
+    model.thickness = t;
+    model.young_modulus = E;
+    std::vector<int> fixed;
+    fix(fixed, model, {0, 1, 2, 3, 4, 5}, [](const auto& x) { return same(x[2], 0); });
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(6 * int(model.x.size()));
+    const double P = 1e-3;
+    for (int j : {0, 1}) f(6 * grid_node(3 * n, 3 * n, j) + 2) = P / 2;
+    const double tip = solve(model, fixed, f)(6 * grid_node(3 * n, 3 * n, 0) + 2);
+    const double I = b * t * t * t / 12;
+    const double frame = P * (a * a * a / 3 + a * a * H) / (E * I);
+    // across its width: in the plane of the wide side the arm is a beam of depth b, and the
+    // column twists: a turn about the arm's normal is torsion of the column
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(f.size());
+    for (int j : {0, 1}) g(6 * grid_node(3 * n, 3 * n, j) + 1) = P / 2;
+    const double aside = solve(model, fixed, g)(6 * grid_node(3 * n, 3 * n, 0) + 1);
+    const double G = E / 2, strong = t * b * b * b / 12;
+    const double r = t / b, torsion = b * t * t * t / 3 * (1 - 0.630 * r + 0.052 * std::pow(r, 5));
+    const double across = P * ((a * a * a + H * H * H) / (3 * E * strong) + a * a * H / (G * torsion));
+    WARN("corner: tip of the frame " << tip / frame << " of beam theory in its plane, "
+                                     << aside / across << " across it, where the column twists");
+    CHECK(tip / frame == Approx(1).epsilon(0.005));
+    CHECK(aside / across == Approx(1).epsilon(0.1));
+}
+
 }  // namespace
 }  // namespace undertow::fem
