@@ -21,6 +21,7 @@ struct ShellState {
     T membrane[2];  // [N/m] of the in-plane hourglass, along X_xi and X_eta
     T bending[2];   // [N m] of the hourglass of the rotations, along e1, e2
     T twist[2];     // [N] of the shear that varies along eta (gamma_xi) and xi (gamma_eta)
+    T drill;        // [N/m] of the normals' turn against the surface's
 };
 
 /// What stays constant for an element.
@@ -69,6 +70,7 @@ struct ShellStrains {
     T q[2];         // [m] in-plane displacements that are not linear
     T r[2];         // rotated normals that are not linear
     T twist[2];     // [m] covariant shears that vary along eta and xi
+    T drill;        // turn of the nodes about n less the spin of the surface, at the center
 };
 
 template <class T>
@@ -110,6 +112,7 @@ UNDERTOW_KERNEL void shell_strains(const ShellFrame<T>& f, const T (&v)[3][4], c
     const T w_h = dot(h, f.n);
 
     mode_vectors(phi, xi, eta, h, mean);
+    s.drill = dot(mean, f.n) - 0.5 * (f.gxx * v_xi - (f.gxy * u_xi + f.gyy * u_eta));
     const InPlane<T> b = rotated_normal(f, mean), b_xi = rotated_normal(f, xi);
     const InPlane<T> b_eta = rotated_normal(f, eta), b_h = rotated_normal(f, h);
     s.curvature[0] = f.gxx * b_xi.x;
@@ -131,8 +134,8 @@ UNDERTOW_KERNEL void shell_strains(const ShellFrame<T>& f, const T (&v)[3][4], c
     s.twist[1] = (common + (b_xi.x * f.ex + b_xi.y * f.ey)) - f.hz * (s.membrane[1] + skew);
 }
 
-/// Forces and moments whose work on (v, phi) is area (N : membrane + M : curvature + S . shear) +
-/// Q . q + R . r + Y . twist: the transpose of shell_strains, line by line.   [N], [N m]
+/// Forces and moments whose work on (v, phi) is area (N : membrane + M : curvature + S . shear + Z
+/// drill) + Q . q + R . r + Y . twist: the transpose of shell_strains, line by line.   [N], [N m]
 template <class T>
 UNDERTOW_KERNEL void shell_forces(const ShellFrame<T>& f, const Resultants<T>& section,
                                   const ShellState<T>& state, T (&force)[3][4],
@@ -149,10 +152,12 @@ UNDERTOW_KERNEL void shell_forces(const ShellFrame<T>& f, const Resultants<T>& s
     const T M_xx = f.area * section.M[0], M_yy = f.area * section.M[1];
     const T M_xy = f.area * section.M[2];
 
-    const T u_xi = (f.gxx * N_xx + f.gxy * N_xy) - f.c_xi * Q_x;
-    const T v_xi = (f.gxy * N_yy + f.gxx * N_xy) - f.c_xi * Q_y;
+    const T turn = f.area * state.drill;
+
+    const T u_xi = (f.gxx * N_xx + f.gxy * (N_xy + 0.5 * turn)) - f.c_xi * Q_x;
+    const T v_xi = (f.gxy * N_yy + f.gxx * (N_xy - 0.5 * turn)) - f.c_xi * Q_y;
     const T w_xi = g_xi + f.hz * (f.gxx * Q_x + f.gxy * Q_y);
-    const T u_eta = f.gyy * N_xy - f.c_eta * Q_x;
+    const T u_eta = f.gyy * (N_xy + 0.5 * turn) - f.c_eta * Q_x;
     const T v_eta = f.gyy * N_yy - f.c_eta * Q_y;
     const T w_eta = g_eta + f.hz * (f.gyy * Q_y);
 
@@ -169,7 +174,7 @@ UNDERTOW_KERNEL void shell_forces(const ShellFrame<T>& f, const Resultants<T>& s
         quad_forces(QuadModes<T>{0.0 * Y, a * u_xi + b * v_xi + c * w_xi,
                                  a * u_eta + b * v_eta + c * w_eta, a * Q_x + b * Q_y + c * Y},
                     force[i]);
-        quad_forces(QuadModes<T>{b * b_x - a * b_y, b * b_xi_x - a * b_xi_y,
+        quad_forces(QuadModes<T>{(b * b_x - a * b_y) + c * turn, b * b_xi_x - a * b_xi_y,
                                  b * b_eta_x - a * b_eta_y, b * R_x - a * R_y},
                     moment[i]);
     }
@@ -179,6 +184,8 @@ UNDERTOW_KERNEL void shell_forces(const ShellFrame<T>& f, const Resultants<T>& s
 ///   in the plane: bending along the element's own axes without parasitic shear; each in plane
 ///   stress, so that one element across bends right  [after Belytschko and Bindeman 1993]
 ///   rotations: the full strains of the bilinear field; shear: those of the edges.
+/// And of the turn about the normal against the surface, with the shear modulus [Hughes and Brezzi
+/// 1989]: moments of a shell that bends out of its neighbor's plane go on into that plane.
 template <class T>
 UNDERTOW_KERNEL T update_stabilization(const ShellLaw& law, const ShellConstants<T>& element,
                                        const ShellFrame<T>& f, const ShellStrains<T>& s,
@@ -201,7 +208,10 @@ UNDERTOW_KERNEL T update_stabilization(const ShellLaw& law, const ShellConstants
     const T dY_xi = shear * (H_xx + third * (f.gxy * f.gxy)) * s.twist[0];
     const T dY_eta = shear * (third * (f.gyy * f.gyy)) * s.twist[1];
 
-    const T work = ((state.membrane[0] + 0.5 * dQ_xi) * p_xi +
+    const T dZ = shear * s.drill;
+
+    const T work = (f.area * (state.drill + 0.5 * dZ)) * s.drill +
+                   ((state.membrane[0] + 0.5 * dQ_xi) * p_xi +
                     (state.membrane[1] + 0.5 * dQ_eta) * p_eta) +
                    ((state.bending[0] + 0.5 * dR_x) * s.r[0] +
                     (state.bending[1] + 0.5 * dR_y) * s.r[1]) +
@@ -213,6 +223,7 @@ UNDERTOW_KERNEL T update_stabilization(const ShellLaw& law, const ShellConstants
     state.bending[1] += dR_y;
     state.twist[0] += dY_xi;
     state.twist[1] += dY_eta;
+    state.drill += dZ;
     return work;
 }
 
@@ -247,6 +258,7 @@ UNDERTOW_KERNEL T stabilization_work(const ShellFrame<T>& f, const ShellStrains<
                    (before.membrane[1] + after.membrane[1]) * p_eta) +
                   ((before.bending[0] + after.bending[0]) * s.r[0] +
                    (before.bending[1] + after.bending[1]) * s.r[1]) +
+                  f.area * (before.drill + after.drill) * s.drill +
                   ((before.twist[0] + after.twist[0]) * s.twist[0] +
                    (before.twist[1] + after.twist[1]) * s.twist[1]));
 }
@@ -274,9 +286,10 @@ UNDERTOW_KERNEL T shell_eigenvalue_bound(const ShellLaw& law, const ShellConstan
     const T varying = (1.0 / 3) * shear *
                       (xi2 * (1.0 + (warp2 + f.l * f.l) * inverse_rotary) +
                        eta2 * (1.0 + (warp2 + eta_length2) * inverse_rotary));
+    const T drill = shear * (inverse_rotary + 0.25 * trace);
     const T c = magnitude(f.c_xi) + magnitude(f.c_eta) +
                 magnitude(f.hz) * (f.gxx + magnitude(f.gxy) + f.gyy);
-    const T together = larger(larger(membrane, hourglass),
+    const T together = larger(larger(larger(membrane, hourglass), drill),
                               larger(rigid, T(varying + (t * t / 12) * inverse_rotary * bending)));
     return (1.0 + c) * (1.0 + c) * together;
 }

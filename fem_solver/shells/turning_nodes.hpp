@@ -4,9 +4,8 @@
 //
 //     omega^{n+1/2} = omega^{n-1/2} + (M^n / J) (dt^{n-1} + dt^n)/2
 //
-// J is the same about every axis, so that no frame needs to be followed. A shell neither resists nor
-// drives the turn about its own normal: where all shells of a node are coplanar that component keeps
-// the value it has, zero from a state of rest, and nothing depends on it.
+// J is the same about every axis, so that no frame needs to be followed. Rotations themselves are
+// not needed: shells take their increments.
 
 #include <cstdint>
 #include <vector>

@@ -32,7 +32,7 @@ ShellModel random_quad(std::mt19937& random, double aspect, double amount, doubl
     return model;
 }
 
-TEST_CASE("a shell has six rigid motions without force, four turns of normals, and no more") {
+TEST_CASE("a shell has six rigid motions without force, three patterns of drilling, and no more") {
     std::mt19937 random(1);
     for (int trial = 0; trial < 20; ++trial) {
         const ShellModel model = random_quad(random, 1.5, 0.2, trial % 2 ? 0.2 : 0.0);
@@ -53,8 +53,8 @@ TEST_CASE("a shell has six rigid motions without force, four turns of normals, a
             Eigen::SelfAdjointEigenSolver<ElementMatrix>(K).eigenvalues();
         int zero = 0;
         for (int k = 0; k < 24; ++k) zero += values(k) < 1e-10 * values(23);
-        // drilling: four nodes about the normal, of which one is the rigid turn's
-        CHECK(zero == 10);
+        // the nodes' turns about the normal count by their mean alone
+        CHECK(zero == 9);
     }
 }
 
@@ -64,9 +64,12 @@ TEST_CASE("the eigenvalue bound of a shell is above its largest eigenvalue and n
     for (int trial = 0; trial < 4000; ++trial) {
         const double aspect = std::pow(10.0, (trial % 11) / 10.0);
         ShellModel model = random_quad(random, aspect, trial % 3 * 0.12, trial % 4 * 0.1);
-        if (trial == 0) model = random_quad(random, 1, 0, 0);
         model.poisson_ratio = (trial % 5) * 0.12;
         model.thickness = std::pow(10.0, -(trial % 7) / 2.0);
+        if (trial == 0) {
+            model = random_quad(random, 1, 0, 0);
+            model.thickness = 1e-3;
+        }
         const auto& q = model.quad[0];
         const ElementMatrix K = stiffness(model, q);
         const Eigen::Matrix<double, 24, 1> root = lumped_mass(model, q).cwiseSqrt().cwiseInverse();
@@ -149,7 +152,7 @@ ShellModel patch() {
     model.x = {{0, 0, 0},       {0.24, 0, 0},       {0.24, 0.12, 0},    {0, 0.12, 0},
                {0.04, 0.02, 0}, {0.18, 0.03, 0}, {0.16, 0.08, 0}, {0.08, 0.08, 0}};
     model.quad = {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}};
-    model.thickness = 0.001;
+    model.thickness = 0.02;
     model.young_modulus = 1e6;
     model.poisson_ratio = 0.25;
     return model;
@@ -184,8 +187,8 @@ TEST_CASE("a distorted patch carries a uniform membrane strain and a uniform cur
             worst = std::max(worst, std::abs(found(6 * k + d) - u(6 * k + d)));
     WARN((bending ? "bending" : "membrane") << " patch: error of the inner nodes "
                                             << worst / u.cwiseAbs().maxCoeff());
-    // thin: bending is conditioned as (side/t)^2 times worse than membrane
-    CHECK(worst < (bending ? 1e-9 : 1e-13) * u.cwiseAbs().maxCoeff());
+    // t/L = 1/12; the conditioning of bending grows as (L/t)^2, and round-off with it
+    CHECK(worst < 1e-12 * u.cwiseAbs().maxCoeff());
 }
 
 }  // namespace
