@@ -119,18 +119,20 @@ Eigen::VectorXd solve(const ShellModel& model, const std::vector<int>& fixed,
                 if (!held[row] && !held[column]) entries.emplace_back(row, column, K(r, c));
             }
     }
-    // The turn about the normal has no stiffness where shells are coplanar: a trifle for the
-    // factorization, which changes nothing that is loaded.
-    for (int k = 0; k < n; ++k)
-        entries.emplace_back(k, k, held[k] ? 1 : (k % 6 < 3 ? 0 : 1e-9 * softest));
-    Eigen::SparseMatrix<double> K(n, n);
+    for (int k = 0; k < n; ++k) entries.emplace_back(k, k, held[k] ? 1 : 0);
+    Eigen::SparseMatrix<double> K(n, n), with_trifle(n, n);
     K.setFromTriplets(entries.begin(), entries.end());
+    // Patterns of drilling without a mean have no stiffness where shells are coplanar: a trifle for
+    // the factorization, taken out again by iterating.
+    for (int k = 0; k < n; ++k)
+        if (!held[k] && k % 6 >= 3) entries.emplace_back(k, k, 1e-9 * softest);
+    with_trifle.setFromTriplets(entries.begin(), entries.end());
     Eigen::VectorXd f = load;
     for (int k = 0; k < n; ++k)
         if (held[k]) f(k) = 0;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(K);
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(with_trifle);
     Eigen::VectorXd u = factor.solve(f);
-    u += factor.solve(f - K * u);  // once more: thin shells are ill-conditioned
+    for (int k = 0; k < 3; ++k) u += factor.solve(f - K * u);
     return u;
 }
 

@@ -203,6 +203,8 @@ TEST_CASE("a ring of shells under pressure carries the hoop stress p R/t") {
     // held along z: the stress along the ring is that of plane strain, N = p R all the same
     CHECK(r.N[0] == Approx(p * R).epsilon(0.01));
     CHECK(r.N[1] == Approx(0.3 * p * R).epsilon(0.01));
+    s.internal_forces();
+    s.pressure_forces(1);
     double support = 0;
     for (std::int32_t n : s.model().mesh.node_sets.at("u0")) support += s.nodes().f[n].c[1];
     CHECK(std::abs(support) == Approx(p * R * 0.2).epsilon(0.01));
@@ -250,16 +252,16 @@ TEST_CASE("the stable step of a shell does not depend on how thin it is, and hol
             for (std::size_t n = 0; n < nodes.size(); ++n)
                 for (int d = 0; d < 3; ++d)
                     nodes.v[n].c[d] = 1e-9 * std::sin(12.9898 * double(n) + 78.233 * d);
-            double start = 0, now = 0;
-            march(run, factor * run.stable_step().dt, 3000, [&](int n) {
-                now = run.kinetic_energy();
-                if (n == 1) start = now;
-            });
-            INFO(factor);
+            double fastest = 0;
+            march(run, factor * run.stable_step().dt, 3000);
+            for (const NodeRow& v : run.nodes().v)
+                for (int d = 0; d < 3; ++d) fastest += std::abs(v.c[d]);  // keeps a NaN
+            fastest /= double(run.nodes().size());
+            INFO("factor " << factor << ": mean speed " << fastest << " m/s");
             if (factor < 1.11)
-                CHECK(now < 10 * start);
+                CHECK(fastest < 1e-7);
             else
-                CHECK(!(now < 1e6 * start));
+                CHECK(!(fastest < 1e-4));
         }
     }
 }
