@@ -44,6 +44,10 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.turned[d]) elements_.hold_rotation(n, d);
+    if (!model_.surface.offset.empty()) {
+        faces_ = ShellFaces(model_.surface, *elements_.turning_nodes());
+        faces_.follow(nodes_.x);
+    }
     model_.far_field.hold(nodes_);
     for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
@@ -152,6 +156,7 @@ void Structure::contact_forces(std::span<const double> f) {
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
+    if (!faces_.empty()) faces_.add_moments(contact_.force, *elements_.turning_nodes());
     if (!model_.water) return;
     model_.water->evaluate(nodes_.x);
     model_.water->load.add_to(nodes_.f);
@@ -179,6 +184,8 @@ void Structure::release_far_field() {
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
+    if (!faces_.empty())
+        contact_.work += 0.5 * dt_ * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
@@ -195,10 +202,13 @@ void Structure::kick(double dt) {
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
+    if (!faces_.empty())
+        contact_.work += 0.5 * dt * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
     elements_.drift(dt, threads_);
+    if (!faces_.empty()) faces_.follow(nodes_.x);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
 }
@@ -264,6 +274,7 @@ Residual Structure::residual() const {
 
 void Structure::finish() {
     contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    if (!faces_.empty()) faces_.add_moments(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.add_to(nodes_.f);
     kick(dt_);
 }
@@ -362,6 +373,21 @@ Vec3 Structure::velocity(std::int32_t node) const {
         v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
     }
     return v;
+}
+
+Row Structure::surface_position(std::size_t i) const {
+    const Row x = as_row(nodes_.x[contact_.node[i]]);
+    return faces_.empty() ? x : x + faces_.lever(i);
+}
+
+Row Structure::surface_velocity(std::size_t i) const {
+    const Row v = as_row(nodes_.v[contact_.node[i]]);
+    return faces_.empty() ? v : v + faces_.velocity(i, *elements_.turning_nodes());
+}
+
+double Structure::surface_mass(std::size_t i) const {
+    const double mass = nodes_.mass[contact_.node[i]];
+    return faces_.empty() ? mass : faces_.mass(i, mass, *elements_.turning_nodes());
 }
 
 Vec3 Structure::displacement(std::int32_t node) const {

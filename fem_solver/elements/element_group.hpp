@@ -42,6 +42,8 @@ struct ExtremeElement {
     double value = 0;
 };
 
+struct TurningNodes;
+
 class ElementGroup {
  public:
     virtual ~ElementGroup() = default;
@@ -68,6 +70,7 @@ class ElementGroup {
 
     // Nodes that turn: groups without rotations have nothing to do.
     virtual bool rotates() const { return false; }
+    virtual TurningNodes* turning_nodes() { return nullptr; }
     /// [1/(kg m2)] of the nodes that turn, per direction; 0 where a support holds it.
     virtual std::span<const NodeRow> inverse_inertia() const { return {}; }
     /// Angular velocities, with the nodes' own kick; the report's kinetic energy is that of

@@ -124,6 +124,12 @@ bool Elements::rotates() const {
                        [](const auto& group) { return group->rotates(); });
 }
 
+TurningNodes* Elements::turning_nodes() const {
+    for (const auto& group : groups_)
+        if (group->rotates()) return group->turning_nodes();
+    return nullptr;
+}
+
 std::span<const NodeRow> Elements::inverse_inertia() const {
     for (const auto& group : groups_)
         if (group->rotates()) return group->inverse_inertia();

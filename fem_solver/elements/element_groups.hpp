@@ -36,6 +36,7 @@ class Elements {
     void accept_shape();
 
     bool rotates() const;
+    TurningNodes* turning_nodes() const;  // of the one group that rotates, or none
     std::span<const NodeRow> inverse_inertia() const;  // of the one group that rotates
     KickReport kick(const Kick& step, int threads);
     void drift(double dt, int threads);

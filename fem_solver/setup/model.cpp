@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <limits>
 
-#include "fem_solver/boundary/facet_nodes.hpp"
 #include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/setup/contact_sets.hpp"
+#include "fem_solver/setup/coupled_surface.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
 #include "fem_solver/setup/immobile.hpp"
 #include "fem_solver/setup/rigid_sets.hpp"
@@ -139,19 +139,6 @@ void check_slab(const Mesh& mesh, double thickness) {
             " m in y, but the mesh is " + std::to_string(high - low) + " m thick.");
 }
 
-CoupledSurface make_surface(const FemSettings& fem, const Mesh& mesh) {
-    CoupledSurface surface;
-    for (const FemSurface& s : fem.surface) {
-        const std::vector<Quad>& facets = mesh.facets_of(s.set, "fem.surface");
-        surface.quad.insert(surface.quad.end(), facets.begin(), facets.end());
-        surface.group.resize(surface.quad.size(), std::int32_t(surface.names.size()));
-        surface.names.push_back(s.name);
-    }
-    surface.node = nodes_of(surface.quad);
-    number_within(surface.node, surface.quad);
-    return surface;
-}
-
 std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
     std::int32_t best = 0;
     double smallest = std::numeric_limits<double>::infinity();
@@ -184,7 +171,8 @@ Model build_model(const Case& c, Mesh mesh) {
     model.supports = make_supports(c.fem, model.mesh);
     if (c.info.dimension == 2) {
         check_slab(model.mesh, c.info.thickness);
-        Support plane{"plane strain", {}, {false, true, false}};
+        Support plane{"plane strain", {}, {false, true, false}, {}};
+        if (!model.mesh.shells.empty()) plane.turned = {true, false, true};
         for (std::size_t n = 0; n < model.mesh.x.size(); ++n)
             plane.nodes.push_back(std::int32_t(n));
         model.supports.push_back(std::move(plane));
@@ -193,7 +181,7 @@ Model build_model(const Case& c, Mesh mesh) {
     check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
-    model.surface = make_surface(c.fem, model.mesh);
+    model.surface = make_coupled_surface(c, model.mesh, model.parts);
     model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
     model.far_field = make_far_field(c.fem, model.mesh, model.parts);
     model.water = make_static_water(c, model.mesh);

@@ -28,6 +28,7 @@ class Shells final : public ElementGroup {
     void accept_shape() override;
 
     bool rotates() const override { return true; }
+    TurningNodes* turning_nodes() override { return &turning_; }
     std::span<const NodeRow> inverse_inertia() const override { return turning_.inverse_inertia; }
     KickReport kick(const Kick& step, int threads) override;
     void drift(double dt, int threads) override;
