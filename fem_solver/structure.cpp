@@ -149,6 +149,10 @@ void Structure::pressure_forces(double t) {
         pressure.evaluate(t, nodes_.x);
         pressure.load.add_to(nodes_.f);
     }
+    for (TractionLoad& traction : model_.tractions) {
+        traction.evaluate(t);
+        traction.load.add_to(nodes_.f);
+    }
 }
 
 void Structure::contact_forces(std::span<const double> f) {
@@ -183,6 +187,7 @@ void Structure::release_far_field() {
 
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
+    for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
     if (!faces_.empty())
         contact_.work += 0.5 * dt_ * faces_.power(contact_.force, *elements_.turning_nodes());
@@ -201,6 +206,7 @@ void Structure::kick(double dt) {
 
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
+    for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
     if (!faces_.empty())
         contact_.work += 0.5 * dt * faces_.power(contact_.force, *elements_.turning_nodes());
@@ -234,6 +240,7 @@ void Structure::count_from_here() {
     model_.far_field.reset_work();
     if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
+    for (TractionLoad& traction : model_.tractions) traction.load.work = 0;
     for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
 }
@@ -358,6 +365,7 @@ Energies Structure::energies() const {
         e.pair_damping += pair.damping_work();
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
+    for (const TractionLoad& traction : model_.tractions) e.external += traction.load.work;
     e.contact = contact_.work;
     return e;
 }

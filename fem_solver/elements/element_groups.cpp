@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem_solver/elements/bbar_hexahedra.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/tetrahedra.hpp"
 #include "fem_solver/shells/shells.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
 namespace {
 
-/// A kind of elements: the shape it is for, and how a case calls it.
+/// A kind of elements: the shape it is for, and how a case calls it. The first of a shape is its
+/// default.
 struct Kind {
     ElementFormulation formulation;
     ElementShape shape;
@@ -18,6 +21,8 @@ struct Kind {
 };
 constexpr Kind kinds[] = {
     {ElementFormulation::one_point, ElementShape::hexahedron, "one_point"},
+    {ElementFormulation::b_bar, ElementShape::hexahedron, "b_bar"},
+    {ElementFormulation::averaged_pressure, ElementShape::tetrahedron, "averaged_pressure"},
     {ElementFormulation::shell, ElementShape::shell, "shell"},
 };
 
@@ -25,6 +30,10 @@ std::unique_ptr<ElementGroup> make_group(const Kind& kind, const Mesh& mesh,
                                          const std::vector<Part>& parts,
                                          const BulkViscosity& viscosity) {
     switch (kind.formulation) {
+        case ElementFormulation::b_bar:
+            return std::make_unique<BbarHexahedra>(mesh, parts, viscosity);
+        case ElementFormulation::averaged_pressure:
+            return std::make_unique<Tetrahedra>(mesh, parts, viscosity);
         case ElementFormulation::shell:
             return std::make_unique<Shells>(mesh, parts);
         default:

@@ -69,7 +69,7 @@ UNDERTOW_KERNEL void mean_gradient(const Modes<T> (&x)[3], T (&C)[6][3], T& D) {
         H[1][0] * C[4][0] + H[2][0] * C[5][0];
 }
 
-/// omega^2 <= (8/rho) (lambda tr g + 2 mu |g|), g_ij = b_iI b_jI / V^2   [1/s2]
+/// omega^2 <= (8/rho) (lambda tr g + 2 mu |g|), g_ij = b_iI b_jI / V^2, lambda >= 0   [1/s2]
 /// The largest eigenvalue of g is bounded by the row sums of the Gram matrix of the three face
 /// vectors: exact for a box in any orientation.  [after Flanagan and Belytschko 1984]
 template <class T>
@@ -80,7 +80,8 @@ UNDERTOW_KERNEL T eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass
             c20 = magnitude(dot(C[2], C[0]));
     const T twist = dot(C[3], C[3]) + dot(C[4], C[4]) + dot(C[5], C[5]);
     const T row = larger(larger(c00 + c01 + c20, c01 + c11 + c12), c20 + c12 + c22);
-    return (lambda * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
+    const double volumetric = lambda > 0 ? lambda : 0;  // below 0 (nu < 0) it only softens
+    return (volumetric * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
 }
 
 /// Displacement gradient of the step with respect to its end, G_ij = dx_iI b_jI / V.

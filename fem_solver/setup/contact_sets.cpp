@@ -96,6 +96,12 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     if (set.surface.empty() || facets.empty())
         throw InputError(name + ": the facet set \"" +
                          (facets.empty() ? contact.nodes : contact.surface) + "\" is empty.");
+    for (const Quad& q : set.surface)
+        if (q[2] == q[3])
+            throw InputError(name + ": surface \"" + contact.surface + "\" has a triangle at " +
+                             point_text(mesh.x[q[0]]) +
+                             "; contact inside the mesh needs quads there: let the tetrahedra be "
+                             "\"nodes\", or mesh that body with hexahedra.");
     set.body = body_of_surface(contact, mesh, set.surface, body_of_node, bodies);
 
     set.nodes = mesh.nodes_of(contact.nodes, "fem.contact nodes");

@@ -181,6 +181,9 @@ Model build_model(const Case& c, Mesh mesh) {
     check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
+    for (const FemTraction& t : c.fem.traction)
+        model.tractions.emplace_back(model.mesh.facets_of(t.set, "fem.traction"), model.mesh.x,
+                                     t.value, t.ramp);
     model.surface = make_coupled_surface(c, model.mesh, model.parts);
     model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
     model.far_field = make_far_field(c.fem, model.mesh, model.parts);

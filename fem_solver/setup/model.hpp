@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fem_solver/boundary/pressure.hpp"
+#include "fem_solver/boundary/traction.hpp"
 #include "fem_solver/contact_pairs/contact_set.hpp"
 #include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
@@ -43,6 +44,7 @@ struct Model {
     BulkViscosity bulk_viscosity;
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
+    std::vector<TractionLoad> tractions;
     CoupledSurface surface;
     std::vector<InitialStress> initial_stress;
     AbsorbingBoundary far_field;

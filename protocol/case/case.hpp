@@ -218,9 +218,14 @@ struct SphSettings {
 };
 
 // ---------------------------------------------------------------- [fem]
-struct FemBlock {                        // [fem.block] structured mesh of hexahedra, instead of a file
+enum class BlockCells { hexahedra, tetrahedra };
+
+struct FemBlock {                        // [fem.block] structured mesh, instead of a file
     Box box;
     std::array<int, 3> divisions{1, 1, 1};
+    std::vector<Vec3> corners{};         // [m] eight, in the order of a hexahedron's nodes, instead of
+                                         // the box (which then bounds them)
+    BlockCells cells = BlockCells::hexahedra;  // "hexahedra", or each cut into six "tetrahedra"
     // volume set "block"; facet sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"; node sets alike
 };
 
@@ -247,7 +252,8 @@ struct FemPart {                         // [[fem.part]]
     std::string set;                     // volume set of the mesh ($PhysicalNames); of shells a
                                          // surface
     std::string material;
-    ElementFormulation element = ElementFormulation::automatic;  // "one_point", "b_bar", "shell"
+    ElementFormulation element = ElementFormulation::automatic;  // "one_point", "b_bar",
+                                                                 // "averaged_pressure", "shell"
     double thickness = 0;                // [m] of "shell"
 };
 
@@ -260,6 +266,12 @@ struct FemSupport {                      // [[fem.support]]
 struct FemPressure {                     // [[fem.pressure]] follows the deforming facets
     std::string set;
     double value = 0;                    // [Pa] positive pushes against the facet's outward normal
+    double ramp = 0;                     // [s] smooth rise from 0; 0 = at once
+};
+
+struct FemTraction {                     // [[fem.traction]] a load that neither turns nor grows with
+    std::string set;                     // its facets
+    Vec3 value{};                        // [Pa] force over undeformed area
     double ramp = 0;                     // [s] smooth rise from 0; 0 = at once
 };
 
@@ -333,6 +345,7 @@ struct FemSettings {
     std::vector<FemPart> part;
     std::vector<FemSupport> support;
     std::vector<FemPressure> pressure;
+    std::vector<FemTraction> traction;
     std::vector<FemSurface> surface;
     std::optional<FemWater> water;
     std::optional<FemGeostatic> geostatic;

@@ -215,7 +215,10 @@ void to_json(Json& j, const SphSettings& v) {
 }
 
 void to_json(Json& j, const FemBlock& v) {
-    j = {{"box", v.box}, {"divisions", v.divisions}};
+    j = {{"box", v.box},
+         {"divisions", v.divisions},
+         {"corners", v.corners},
+         {"cells", v.cells == BlockCells::tetrahedra ? "tetrahedra" : "hexahedra"}};
 }
 void to_json(Json& j, const FemMaterial& v) {
     j = {{"name", v.name},
@@ -238,6 +241,9 @@ void to_json(Json& j, const FemSupport& v) {
     j = {{"set", v.set}, {"fix", v.fix}};
 }
 void to_json(Json& j, const FemPressure& v) {
+    j = {{"set", v.set}, {"value", v.value}, {"ramp", v.ramp}};
+}
+void to_json(Json& j, const FemTraction& v) {
     j = {{"set", v.set}, {"value", v.value}, {"ramp", v.ramp}};
 }
 void to_json(Json& j, const FemSurface& v) {
@@ -281,6 +287,7 @@ void to_json(Json& j, const FemSettings& v) {
          {"part", v.part},
          {"support", v.support},
          {"pressure", v.pressure},
+         {"traction", v.traction},
          {"surface", v.surface},
          {"water", v.water ? Json(*v.water) : Json(nullptr)},
          {"geostatic", v.geostatic ? Json(*v.geostatic) : Json(nullptr)},

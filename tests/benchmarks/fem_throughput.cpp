@@ -1,9 +1,11 @@
 // Element-steps per second of the whole step (stable step, internal forces, health, kick, drift) of
-// the one-point hexahedron, double: elastic, Tresca that stays elastic, Tresca with every element
-// flowing in every step. Inner nodes moved by a tenth of an element.
-// The same of shells: elastic, and with five points through the thickness.
+// the one-point hexahedron, the 8-point one and the tetrahedron, double: elastic, Tresca that stays
+// elastic, Tresca with every element flowing in every step. Inner nodes moved by a tenth of an
+// element.
 //   bench_fem_throughput [--json | --shells]
-// Targets: 15 M element-steps/s on one core at 64,000 elements, 20 us per step for 240 elements.
+// Shells: elastic, and J2 at five points through the thickness.
+// Targets: 15 M element-steps/s on one core at 64,000 elements, 20 us per step for 240 elements; 5 M
+// for the 8-point hexahedron.
 
 #include <algorithm>
 #include <array>
@@ -33,17 +35,31 @@ double cpu_clock() {  // of this thread: what other programs take does not count
 
 enum class Law { elastic, tresca_elastic, tresca_flowing };
 
-Model make_model(const std::array<int, 3>& divisions, Law law) {
+/// A kind of elements, as a case names it.
+struct Kind {
+    const char* name;
+    ElementFormulation element = ElementFormulation::automatic;
+    BlockCells cells = BlockCells::hexahedra;
+};
+const Kind one_point{""};
+const Kind eight_point{", 8 points", ElementFormulation::b_bar};
+const Kind tetrahedra{", tetrahedra", ElementFormulation::averaged_pressure,
+                      BlockCells::tetrahedra};
+
+Model make_model(const std::array<int, 3>& divisions, Law law, const Kind& kind) {
     Case c;
     c.info.gravity = {0, 0, -9.81};
     c.fem.block = FemBlock{
-        {{0, 0, 0}, {0.01 * divisions[0], 0.01 * divisions[1], 0.01 * divisions[2]}}, divisions};
+        {{0, 0, 0}, {0.01 * divisions[0], 0.01 * divisions[1], 0.01 * divisions[2]}},
+        divisions,
+        {},
+        kind.cells};
     c.fem.material = {{"steel", MaterialKind::linear_elastic, 7850, {}, 210e9, 0.3, 0}};
     if (law != Law::elastic) {
         c.fem.material[0].kind = MaterialKind::tresca;
         c.fem.material[0].shear_strength = law == Law::tresca_elastic ? 1e12 : 1e4;
     }
-    c.fem.part = {{"block", "steel"}};
+    c.fem.part = {{"block", "steel", kind.element}};
     c.fem.support = {{"zmin", {"x", "y", "z"}}};
     Model model = build_model(c);
     for (std::size_t n = 0; n < model.mesh.x.size(); ++n)
@@ -65,8 +81,8 @@ void shear(Structure& s, double dt) {
 }
 
 /// [s] of one step, best of eight runs.
-double step_time(const std::array<int, 3>& divisions, int threads, Law law) {
-    Structure s(make_model(divisions, law), threads);
+double step_time(const std::array<int, 3>& divisions, int threads, Law law, const Kind& kind) {
+    Structure s(make_model(divisions, law, kind), threads);
     const double dt = s.stable_step().dt;
     if (law == Law::tresca_flowing) shear(s, dt);
     const int steps = std::max(5, int(2e6 / double(s.elements().size())));
@@ -88,12 +104,15 @@ double step_time(const std::array<int, 3>& divisions, int threads, Law law) {
     return best;
 }
 
-double print(const std::array<int, 3>& divisions, int threads, Law law = Law::elastic) {
-    const double elements = double(divisions[0]) * divisions[1] * divisions[2];
-    const double time = step_time(divisions, threads, law);
+double print(const std::array<int, 3>& divisions, int threads, Law law = Law::elastic,
+             const Kind& kind = one_point) {
+    const double elements = double(divisions[0]) * divisions[1] * divisions[2] *
+                            (kind.cells == BlockCells::tetrahedra ? 6 : 1);
+    const double time = step_time(divisions, threads, law, kind);
     std::fprintf(stderr,
-                 "%8.0f elements, %d thread%s: %9.1f us per step, %6.2f M element-steps/s%s\n",
+                 "%8.0f elements, %d thread%s: %9.1f us per step, %6.2f M element-steps/s%s%s\n",
                  elements, threads, threads > 1 ? "s" : "", 1e6 * time, 1e-6 * elements / time,
+                 kind.name,
                  law == Law::elastic          ? ""
                  : law == Law::tresca_elastic ? ", Tresca, all elastic"
                                               : ", Tresca, all flowing");
@@ -175,6 +194,13 @@ int main(int argc, char** argv) {
     const double rate = print({40, 40, 40}, 1);
     const double tresca = print({40, 40, 40}, 1, Law::tresca_elastic);
     const double flowing = print({40, 40, 40}, 1, Law::tresca_flowing);
+    const std::array<int, 3> cube{40, 40, 40}, small{22, 22, 22};  // 64,000 elements
+    const double eight = print(cube, 1, Law::elastic, eight_point);
+    const double eight_tresca = print(cube, 1, Law::tresca_elastic, eight_point);
+    const double eight_flowing = print(cube, 1, Law::tresca_flowing, eight_point);
+    const double four = print(small, 1, Law::elastic, tetrahedra);
+    const double four_tresca = print(small, 1, Law::tresca_elastic, tetrahedra);
+    const double four_flowing = print(small, 1, Law::tresca_flowing, tetrahedra);
     const double large = print({64, 64, 64}, 1);
     const double shell = print_shells(200, Section::elastic);
     const double layered = print_shells(200, Section::layered);
@@ -184,7 +210,11 @@ int main(int argc, char** argv) {
     if (argc > 1 && std::strcmp(argv[1], "--json") == 0)
         std::printf(
             "{\"fem.hex1_elastic\": %.4g, \"fem.hex1_tresca\": %.4g, "
-            "\"fem.hex1_tresca_flowing\": %.4g, \"fem.shell4\": %.4g, "
-            "\"fem.shell4_j2\": %.4g, \"fem.shell4_j2_flowing\": %.4g, \"fem.two_thread_speedup\": %.3f}\n",
-            rate, tresca, flowing, shell, layered, shell_flowing, two / large);
+            "\"fem.hex1_tresca_flowing\": %.4g, \"fem.hex8_bbar\": %.4g, "
+            "\"fem.hex8_bbar_tresca\": %.4g, \"fem.hex8_bbar_tresca_flowing\": %.4g, "
+            "\"fem.tet4\": %.4g, \"fem.tet4_tresca\": %.4g, \"fem.tet4_tresca_flowing\": %.4g, "
+            "\"fem.shell4\": %.4g, \"fem.shell4_j2\": %.4g, \"fem.shell4_j2_flowing\": %.4g, "
+            "\"fem.two_thread_speedup\": %.3f}\n",
+            rate, tresca, flowing, eight, eight_tresca, eight_flowing, four, four_tresca,
+            four_flowing, shell, layered, shell_flowing, two / large);
 }
