@@ -88,6 +88,8 @@ class ElementGroup {
     virtual ExtremeElement most_compressed(const Nodes& nodes) const = 0;
     /// [Pa] (elements of the mesh, 6) xx yy zz xy yz zx; fills the rows of its own elements.
     virtual void write_stress(std::span<double> stress) const = 0;
+    /// The same on the faces of shells that their normals point out of (top) and into.
+    virtual void write_face_stress(std::span<double> /*top*/, std::span<double> /*bottom*/) const {}
     /// Equivalent plastic strain so far (elements of the mesh); fills its own.
     virtual void write_plastic_strain(std::span<double> strain) const = 0;
 };

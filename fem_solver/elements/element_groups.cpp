@@ -192,6 +192,15 @@ std::vector<double> Elements::stress() const {
     return all;
 }
 
+Elements::FaceStress Elements::face_stress() const {
+    FaceStress all;
+    if (!rotates()) return all;
+    all.top.resize(6 * size());
+    all.bottom.resize(6 * size());
+    for (const auto& group : groups_) group->write_face_stress(all.top, all.bottom);
+    return all;
+}
+
 std::vector<double> Elements::plastic_strain() const {
     std::vector<double> all(size(), 0.0);
     for (const auto& group : groups_) group->write_plastic_strain(all);

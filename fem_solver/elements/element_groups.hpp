@@ -50,6 +50,11 @@ class Elements {
 
     /// [Pa] (n_elements, 6) xx yy zz xy yz zx, in the mesh's order; without bulk viscosity.
     std::vector<double> stress() const;
+    /// The same on both faces of shells, 0 of solids; empty when there are no shells.
+    struct FaceStress {
+        std::vector<double> top, bottom;
+    };
+    FaceStress face_stress() const;
     /// Equivalent plastic strain (n_elements) so far, in the mesh's order; 0 of elastic parts.
     std::vector<double> plastic_strain() const;
 

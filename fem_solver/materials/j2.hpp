@@ -6,8 +6,8 @@
 // Return map in plane stress [Simo and Taylor 1986]: the flow matrix and the elastic one have the
 // same principal directions, s_xx + s_yy, s_xx - s_yy and s_xy, which shrink by
 //     1/(1 + E g/(3 (1 - nu))),  1/(1 + 2 mu g)  and the same,   d_eps_p = (2/3) g sigma_eq,
-// so that one scalar equation for g remains. Left of its root the yield function falls and is convex:
-// Newton's steps from g = 0 stay left and double their digits.
+// so that one scalar equation for g remains. Left of its root the yield function falls and is
+// convex: Newton's steps from g = 0 stay left and double their digits.
 
 #include "fem_solver/materials/linear_elastic.hpp"
 #include "fem_solver/simd.hpp"

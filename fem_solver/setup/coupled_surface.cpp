@@ -46,7 +46,8 @@ CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
                 std::array<FaceNode, 4> face;
                 for (int k = 0; k < 4; ++k) {
                     const std::int32_t n = q[side > 0 ? k : (4 - k) % 4];
-                    face[k] = shell == shells.end() ? FaceNode{n, 0, -1} : FaceNode{n, side, number};
+                    face[k] =
+                        shell == shells.end() ? FaceNode{n, 0, -1} : FaceNode{n, side, number};
                     double& d = offset[face[k]];
                     if (shell != shells.end())
                         d = side * std::max(std::abs(d), 0.5 * shell->second);
@@ -57,8 +58,9 @@ CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
             }
         }
         if (of_shells > 0 && of_shells < facets.size())
-            throw InputError("fem.surface \"" + s.name + "\": set = \"" + s.set +
-                             "\" holds shells and faces of solids; give each a surface of its own.");
+            throw InputError(
+                "fem.surface \"" + s.name + "\": set = \"" + s.set +
+                "\" holds shells and faces of solids; give each a surface of its own.");
         if (of_shells > 0 && c.fem.water)
             throw InputError("fem.surface \"" + s.name +
                              "\" is of shells, which have water on both faces; [fem.water] is for "
@@ -77,8 +79,8 @@ CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
         surface.quad.push_back(q);
     }
     for (const auto& [node, d] : offset)
-        surface.twin.push_back(index.at({std::get<0>(node), std::abs(std::get<1>(node)),
-                                         std::get<2>(node)}));
+        surface.twin.push_back(
+            index.at({std::get<0>(node), std::abs(std::get<1>(node)), std::get<2>(node)}));
     if (std::all_of(surface.offset.begin(), surface.offset.end(), [](double d) { return d == 0; }))
         surface.offset = {}, surface.twin = {};
     return surface;

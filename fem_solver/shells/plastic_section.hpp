@@ -11,13 +11,13 @@ namespace undertow::fem {
 
 inline constexpr int n_layers = 5;
 /// Height over half the thickness, and share of the thickness.
-inline constexpr double layer_height[n_layers] = {-1, -0.65465367070797714, 0,
-                                                  0.65465367070797714, 1};  // sqrt(3/7)
+inline constexpr double layer_height[n_layers] = {-1, -0.65465367070797714, 0, 0.65465367070797714,
+                                                  1};  // sqrt(3/7)
 inline constexpr double layer_weight[n_layers] = {0.05, 49.0 / 180, 16.0 / 45, 49.0 / 180, 0.05};
 
 template <class T>
 struct LayeredState {
-    T stress[n_layers][3];      // [Pa] xx, yy, xy along the element's axes
+    T stress[n_layers][3];       // [Pa] xx, yy, xy along the element's axes
     T plastic_strain[n_layers];  // equivalent
 };
 
@@ -59,8 +59,8 @@ struct PlasticSection {
         }
         work.membrane_left = membrane_left;
         work.bending_left = bending_left;
-        work.strength = material.strength(
-            larger(kept.plastic_strain[0], kept.plastic_strain[n_layers - 1]));
+        work.strength =
+            material.strength(larger(kept.plastic_strain[0], kept.plastic_strain[n_layers - 1]));
         return work;
     }
 };

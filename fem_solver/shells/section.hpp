@@ -43,9 +43,8 @@ struct ElasticSection {
     using State = Resultants<T>;
 
     template <class T>
-    UNDERTOW_KERNEL SectionWork<T> operator()(Resultants<T>& kept, const T& turn,
-                                              const T (&eps)[3], const T (&kappa)[3],
-                                              Resultants<T>& out) const {
+    UNDERTOW_KERNEL SectionWork<T> operator()(Resultants<T>& kept, const T& turn, const T (&eps)[3],
+                                              const T (&kappa)[3], Resultants<T>& out) const {
         turn_in_plane(turn, kept.N);
         turn_in_plane(turn, kept.M);
         const double membrane = plane_modulus * thickness;
@@ -63,8 +62,8 @@ struct ElasticSection {
         const T d[3] = {modulus * (e[0] + poisson_ratio * e[1]),
                         modulus * (e[1] + poisson_ratio * e[0]),
                         (0.5 * (1 - poisson_ratio) * modulus) * e[2]};
-        const T work = (s[0] + 0.5 * d[0]) * e[0] + (s[1] + 0.5 * d[1]) * e[1] +
-                       (s[2] + 0.5 * d[2]) * e[2];
+        const T work =
+            (s[0] + 0.5 * d[0]) * e[0] + (s[1] + 0.5 * d[1]) * e[1] + (s[2] + 0.5 * d[2]) * e[2];
 #pragma GCC unroll 3
         for (int k = 0; k < 3; ++k) s[k] += d[k];
         return work;

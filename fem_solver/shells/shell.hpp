@@ -36,12 +36,12 @@ struct ShellConstants {
 
 /// Scalars that all elements of a part share.
 struct ShellLaw {
-    double density;         // [kg/m3]
-    double thickness;       // [m]
-    double young_modulus;   // [Pa]
+    double density;        // [kg/m3]
+    double thickness;      // [m]
+    double young_modulus;  // [Pa]
     double poisson_ratio;
-    double plane_modulus;   // [Pa] E/(1 - nu^2)
-    double shear_modulus;   // [Pa] times 5/6
+    double plane_modulus;  // [Pa] E/(1 - nu^2)
+    double shear_modulus;  // [Pa] times 5/6
 };
 
 /// What an element reports of a step.
@@ -64,13 +64,13 @@ struct InPlane {
 /// Generalized strains of a step: those of the center, and those that vary.
 template <class T>
 struct ShellStrains {
-    T membrane[3];  // xx, yy, 2 xy
+    T membrane[3];   // xx, yy, 2 xy
     T curvature[3];  // [1/m] xx, yy, 2 xy
-    T shear[2];     // along e1, e2
-    T q[2];         // [m] in-plane displacements that are not linear
-    T r[2];         // rotated normals that are not linear
-    T twist[2];     // [m] covariant shears that vary along eta and xi
-    T drill;        // turn of the nodes about n less the spin of the surface, at the center
+    T shear[2];      // along e1, e2
+    T q[2];          // [m] in-plane displacements that are not linear
+    T r[2];          // rotated normals that are not linear
+    T twist[2];      // [m] covariant shears that vary along eta and xi
+    T drill;         // turn of the nodes about n less the spin of the surface, at the center
 };
 
 template <class T>
@@ -138,8 +138,7 @@ UNDERTOW_KERNEL void shell_strains(const ShellFrame<T>& f, const T (&v)[3][4], c
 /// drill) + Q . q + R . r + Y . twist: the transpose of shell_strains, line by line.   [N], [N m]
 template <class T>
 UNDERTOW_KERNEL void shell_forces(const ShellFrame<T>& f, const Resultants<T>& section,
-                                  const ShellState<T>& state, T (&force)[3][4],
-                                  T (&moment)[3][4]) {
+                                  const ShellState<T>& state, T (&force)[3][4], T (&moment)[3][4]) {
     const T y_xi = state.twist[0], y_eta = state.twist[1], Y = y_xi + y_eta;
     const T Q_x = f.l * state.membrane[0] + f.ex * state.membrane[1];
     const T Q_y = f.ey * state.membrane[1];
@@ -210,13 +209,12 @@ UNDERTOW_KERNEL T update_stabilization(const ShellLaw& law, const ShellConstants
 
     const T dZ = shear * s.drill;
 
-    const T work = (f.area * (state.drill + 0.5 * dZ)) * s.drill +
-                   ((state.membrane[0] + 0.5 * dQ_xi) * p_xi +
-                    (state.membrane[1] + 0.5 * dQ_eta) * p_eta) +
-                   ((state.bending[0] + 0.5 * dR_x) * s.r[0] +
-                    (state.bending[1] + 0.5 * dR_y) * s.r[1]) +
-                   ((state.twist[0] + 0.5 * dY_xi) * s.twist[0] +
-                    (state.twist[1] + 0.5 * dY_eta) * s.twist[1]);
+    const T work =
+        (f.area * (state.drill + 0.5 * dZ)) * s.drill +
+        ((state.membrane[0] + 0.5 * dQ_xi) * p_xi + (state.membrane[1] + 0.5 * dQ_eta) * p_eta) +
+        ((state.bending[0] + 0.5 * dR_x) * s.r[0] + (state.bending[1] + 0.5 * dR_y) * s.r[1]) +
+        ((state.twist[0] + 0.5 * dY_xi) * s.twist[0] +
+         (state.twist[1] + 0.5 * dY_eta) * s.twist[1]);
     state.membrane[0] += dQ_xi;
     state.membrane[1] += dQ_eta;
     state.bending[0] += dR_x;
@@ -227,8 +225,8 @@ UNDERTOW_KERNEL T update_stabilization(const ShellLaw& law, const ShellConstants
     return work;
 }
 
-/// Stresses that vary around the mean flow with it: they return by the same share, and are bounded by
-/// the full plastic load of the section (docs/theory_fem.md, 9, has the reasons for solids).
+/// Stresses that vary around the mean flow with it: they return by the same share, and are bounded
+/// by the full plastic load of the section (docs/theory_fem.md, 9, has the reasons for solids).
 template <class T>
 UNDERTOW_KERNEL void limit_stabilization(const ShellLaw& law, const ShellConstants<T>& element,
                                          const ShellFrame<T>& f, const SectionWork<T>& flow,
@@ -237,13 +235,12 @@ UNDERTOW_KERNEL void limit_stabilization(const ShellLaw& law, const ShellConstan
     const T third = (1.0 / 3) * element.area;
     // half again as much as where the outer fiber yields
     const T membrane = (1.5 * t) * third * flow.strength;
-    const T bending = (1.5 * t * t / 6) * third * flow.strength *
-                      (f.gxx + magnitude(f.gxy) + f.gyy);
+    const T bending =
+        (1.5 * t * t / 6) * third * flow.strength * (f.gxx + magnitude(f.gxy) + f.gyy);
 #pragma GCC unroll 2
     for (int k = 0; k < 2; ++k) {
         const T Q = membrane * element.axis_weight[k];
-        state.membrane[k] =
-            larger(T(-Q), smaller(Q, T(flow.membrane_left * state.membrane[k])));
+        state.membrane[k] = larger(T(-Q), smaller(Q, T(flow.membrane_left * state.membrane[k])));
         state.bending[k] =
             larger(T(-bending), smaller(bending, T(flow.bending_left * state.bending[k])));
     }
@@ -307,9 +304,8 @@ template <class T, class Section>
 UNDERTOW_KERNEL void step_shell(const T (&x)[3][4], const T (&dx)[3][4], const T (&dphi)[3][4],
                                 const ShellConstants<T>& element, const Section& section,
                                 const ShellLaw& law, typename Section::template State<T>& points,
-                                ShellState<T>& state, Resultants<T>& resultants,
-                                T (&f)[3][4], T (&m)[3][4], ShellReport<T>& report,
-                                ShellFrame<T>& end) {
+                                ShellState<T>& state, Resultants<T>& resultants, T (&f)[3][4],
+                                T (&m)[3][4], ShellReport<T>& report, ShellFrame<T>& end) {
     T mean[3], xi[3], eta[3], h[3], d_xi[3], d_eta[3], d_h[3];
     mode_vectors(x, xi, eta, h, mean);
     mode_vectors(dx, d_xi, d_eta, d_h, mean);
@@ -325,8 +321,10 @@ UNDERTOW_KERNEL void step_shell(const T (&x)[3][4], const T (&dx)[3][4], const T
 
     // the axes follow X_xi; the material turns against it by half of the shear
     const T turn = -0.5 * strain.membrane[2];
-    const SectionWork<T> work = section(points, turn, strain.membrane, strain.curvature, resultants);
-    const T s0 = state.shear[0] - turn * state.shear[1], s1 = state.shear[1] + turn * state.shear[0];
+    const SectionWork<T> work =
+        section(points, turn, strain.membrane, strain.curvature, resultants);
+    const T s0 = state.shear[0] - turn * state.shear[1],
+            s1 = state.shear[1] + turn * state.shear[0];
     const double shear_stiffness = law.shear_modulus * law.thickness;
     state.shear[0] = s0 + shear_stiffness * strain.shear[0];
     state.shear[1] = s1 + shear_stiffness * strain.shear[1];

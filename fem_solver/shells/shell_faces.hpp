@@ -38,9 +38,10 @@ class ShellFaces {
     std::vector<double> offset_;         // [m] along the normal; 0 of nodes of solids
     std::vector<std::int32_t> node_;     // of the mesh
     std::vector<std::int32_t> turning_;  // row of the node; -1: of a solid
-    std::vector<std::array<std::int32_t, 4>> quad_;  // indices into node_, of the faces with + offset
-    std::vector<std::int32_t> twin_;     // of each node the one with the normal: itself or the + side
-    NodeRows normal_;                    // unit
+    std::vector<std::array<std::int32_t, 4>>
+        quad_;                        // indices into node_, of the faces with + offset
+    std::vector<std::int32_t> twin_;  // of each node the one with the normal: itself or the + side
+    NodeRows normal_;                 // unit
 };
 
 }  // namespace undertow::fem

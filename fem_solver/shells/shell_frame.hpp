@@ -4,8 +4,8 @@
 //     x(xi, eta) = mean + xi X_xi + eta X_eta + xi eta X_h
 //
 // n is perpendicular to X_xi and X_eta, hence to both diagonals; e1 lies along X_xi. In these axes
-// X_xi = (l, 0, 0), X_eta = (ex, ey, 0), X_h = (hx, hy, hz): hx, hy vanish for a parallelogram, hz for
-// a flat element.
+// X_xi = (l, 0, 0), X_eta = (ex, ey, 0), X_h = (hx, hy, hz): hx, hy vanish for a parallelogram, hz
+// for a flat element.
 
 #include "fem_solver/elements/tensor.hpp"
 #include "fem_solver/shells/quad_modes.hpp"
@@ -15,11 +15,11 @@ namespace undertow::fem {
 template <class T>
 struct ShellFrame {
     T e1[3], e2[3], n[3];
-    T area;            // [m2] of the projection along n
-    T l, ex, ey;       // [m] X_xi, X_eta
-    T hx, hy, hz;      // [m] X_h
-    T gxx, gxy, gyy;   // [1/m] dual vectors: g^xi = (gxx, gxy), g^eta = (0, gyy)
-    T c_xi, c_eta;     // X_h in the plane = c_xi X_xi + c_eta X_eta
+    T area;           // [m2] of the projection along n
+    T l, ex, ey;      // [m] X_xi, X_eta
+    T hx, hy, hz;     // [m] X_h
+    T gxx, gxy, gyy;  // [1/m] dual vectors: g^xi = (gxx, gxy), g^eta = (0, gyy)
+    T c_xi, c_eta;    // X_h in the plane = c_xi X_xi + c_eta X_eta
 };
 
 template <class T>

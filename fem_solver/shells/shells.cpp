@@ -164,17 +164,37 @@ Resultants<double> Shells::resultants(std::int32_t element) const {
     return out;
 }
 
+void Shells::write_row(const double (&plane)[3], std::size_t b, int l, double* row) const {
+    constexpr int at[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+    const Axes& axes = axes_[b];
+    for (int k = 0; k < 6; ++k) {
+        const int i = at[k][0], j = at[k][1];
+        row[k] = plane[0] * axes.e1[i][l] * axes.e1[j][l] +
+                 plane[1] * axes.e2[i][l] * axes.e2[j][l] +
+                 plane[2] * (axes.e1[i][l] * axes.e2[j][l] + axes.e2[i][l] * axes.e1[j][l]);
+    }
+}
+
 void Shells::write_stress(std::span<double> stress) const {
     batches_.for_each_element([&](std::size_t e, std::size_t b, int l) {
         const double t = law_[batches_[b].part].thickness;
-        const double xx = resultants_[b].N[0][l] / t, yy = resultants_[b].N[1][l] / t,
-                     xy = resultants_[b].N[2][l] / t;
-        constexpr int at[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
-        for (int k = 0; k < 6; ++k) {
-            const int i = at[k][0], j = at[k][1];
-            const double a_i = axes_[b].e1[i][l], a_j = axes_[b].e1[j][l];
-            const double b_i = axes_[b].e2[i][l], b_j = axes_[b].e2[j][l];
-            stress[6 * e + k] = xx * a_i * a_j + yy * b_i * b_j + xy * (a_i * b_j + b_i * a_j);
+        double plane[3];
+        for (int k = 0; k < 3; ++k) plane[k] = resultants_[b].N[k][l] / t;
+        write_row(plane, b, l, &stress[6 * e]);
+    });
+}
+
+void Shells::write_face_stress(std::span<double> top, std::span<double> bottom) const {
+    batches_.for_each_element([&](std::size_t e, std::size_t b, int l) {
+        const double t = law_[batches_[b].part].thickness;
+        for (int side : {1, -1}) {
+            double plane[3];
+            for (int k = 0; k < 3; ++k)
+                plane[k] =
+                    layers_at_[b] < 0
+                        ? resultants_[b].N[k][l] / t + side * 6 * resultants_[b].M[k][l] / (t * t)
+                        : layers_[layers_at_[b]].stress[side > 0 ? n_layers - 1 : 0][k][l];
+            write_row(plane, b, l, side > 0 ? &top[6 * e] : &bottom[6 * e]);
         }
     });
 }

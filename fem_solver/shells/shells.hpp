@@ -1,5 +1,6 @@
 #pragma once
-// All quadrilateral shells of the mesh: storage, their nodes' rotations, and one step of all of them.
+// All quadrilateral shells of the mesh: storage, their nodes' rotations, and one step of all of
+// them.
 
 #include <array>
 #include <variant>
@@ -40,6 +41,8 @@ class Shells final : public ElementGroup {
     ExtremeElement most_compressed(const Nodes& nodes) const override;
     /// Of the middle surface.
     void write_stress(std::span<double> stress) const override;
+    void write_face_stress(std::span<double> top, std::span<double> bottom) const override;
+    /// The largest of the points through the thickness.
     void write_plastic_strain(std::span<double> strain) const override;
 
     const TurningNodes& turning() const { return turning_; }
@@ -58,6 +61,8 @@ class Shells final : public ElementGroup {
     };
     using Section = std::variant<ElasticSection, PlasticSection>;
 
+    /// A plane stress along an element's axes as a row xx yy zz xy yz zx.
+    void write_row(const double (&plane)[3], std::size_t b, int lane, double* row) const;
     void build_constants(const Mesh& mesh);
     void build_turning(const Mesh& mesh);
     template <class Law>
@@ -73,8 +78,8 @@ class Shells final : public ElementGroup {
     std::vector<Resultants<Lanes>> resultants_;
     std::vector<LayeredState<Lanes>> layers_;  // of the batches that can yield
     std::vector<std::int32_t> layers_at_;      // batch -> layers_; -1: elastic
-    std::vector<Axes> axes_;     // of the last step, for output
-    std::vector<Lanes> omega2_;  // [1/s2] of the last step
+    std::vector<Axes> axes_;                   // of the last step, for output
+    std::vector<Lanes> omega2_;                // [1/s2] of the last step
     TurningNodes turning_;
     double omega2_start_ = 0;
 };

@@ -62,8 +62,9 @@ ElementsReport Shells::step_chunk(const Chunk& chunk, Nodes& nodes, double dt,
             step_shell(x, dx, dphi, constants_[b], section, law, layers_[layers_at_[b]], state_[b],
                        resultants, f, m, report, frame);
             resultants_[b] = resultants;
-            sum.plastic_work += batch.valid == n_lanes ? report.plastic_work
-                                                       : first_lanes(report.plastic_work, batch.valid);
+            sum.plastic_work += batch.valid == n_lanes
+                                    ? report.plastic_work
+                                    : first_lanes(report.plastic_work, batch.valid);
             sum.yielding += batch.valid == n_lanes ? report.yielding
                                                    : first_lanes(report.yielding, batch.valid);
         } else {

@@ -1,6 +1,6 @@
 #pragma once
-// Nodes that turn: angular velocities of the nodes that shells hang on, and their central-difference
-// update.
+// Nodes that turn: angular velocities of the nodes that shells hang on, and their
+// central-difference update.
 //
 //     omega^{n+1/2} = omega^{n-1/2} + (M^n / J) (dt^{n-1} + dt^n)/2
 //

@@ -86,7 +86,7 @@ void read_material(TableReader& reader, FemMaterial& material) {
     if (material.kind == MaterialKind::tresca)
         reader.require("shear_strength", "the undrained shear strength s_u in Pa");
     else if (reader.has("shear_strength"))
-        reader.reject("shear_strength", "has an effect on kind = \"tresca\" alone.");
+        reader.reject("shear_strength", "has no effect but on kind = \"tresca\".");
     reader.number("yield_stress", material.yield_stress, positive("Pa"));
     reader.number("hardening", material.hardening, at_least(0, "Pa"));
     if (material.kind == MaterialKind::j2) {
@@ -94,7 +94,7 @@ void read_material(TableReader& reader, FemMaterial& material) {
         return;
     }
     for (const char* key : {"yield_stress", "hardening"})
-        if (reader.has(key)) reader.reject(key, "has an effect on kind = \"j2\" alone.");
+        if (reader.has(key)) reader.reject(key, "has no effect but on kind = \"j2\".");
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.
@@ -202,7 +202,7 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         if (part.element == ElementFormulation::shell)
             entry.require("thickness", "the thickness of the shell in m");
         else if (entry.has("thickness"))
-            entry.reject("thickness", "has an effect with element = \"shell\" alone.");
+            entry.reject("thickness", "has no effect but with element = \"shell\".");
         if (part.element == ElementFormulation::shell && fem.block)
             entry.reject("element",
                          "= \"shell\" needs quads, but [fem.block] is made of hexahedra; bring the "

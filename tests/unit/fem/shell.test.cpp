@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "fem_solver/shells/plastic_section.hpp"
 #include "shell_statics.hpp"
 
 namespace undertow::fem {
@@ -17,8 +18,8 @@ ShellModel random_quad(std::mt19937& random, double aspect, double amount, doubl
     std::uniform_real_distribution<double> in(-1, 1);
     ShellModel model;
     const double a[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    const Eigen::Quaterniond turn = Eigen::Quaterniond(in(random), in(random), in(random), in(random))
-                                        .normalized();
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(in(random), in(random), in(random), in(random)).normalized();
     for (const auto& c : a) {
         const Vector3 x = turn * Vector3(aspect * c[0] + amount * in(random),
                                          c[1] + amount * in(random), warp * in(random));
@@ -73,16 +74,16 @@ TEST_CASE("the eigenvalue bound of a shell is above its largest eigenvalue and n
         const auto& q = model.quad[0];
         const ElementMatrix K = stiffness(model, q);
         const Eigen::Matrix<double, 24, 1> root = lumped_mass(model, q).cwiseSqrt().cwiseInverse();
-        const double exact = Eigen::SelfAdjointEigenSolver<ElementMatrix>(
-                                 root.asDiagonal() * K * root.asDiagonal())
-                                 .eigenvalues()(23);
+        const double exact =
+            Eigen::SelfAdjointEigenSolver<ElementMatrix>(root.asDiagonal() * K * root.asDiagonal())
+                .eigenvalues()(23);
         double x[3][4], xi[3], eta[3], h[3], mean[3];
         for (int corner = 0; corner < 4; ++corner)
             for (int d = 0; d < 3; ++d) x[d][corner] = model.x[corner][d];
         mode_vectors(x, xi, eta, h, mean);
-        const double ratio = shell_eigenvalue_bound(model.law(), model.constants(q),
-                                                    shell_frame(xi, eta, h)) /
-                             exact;
+        const double ratio =
+            shell_eigenvalue_bound(model.law(), model.constants(q), shell_frame(xi, eta, h)) /
+            exact;
         if (trial == 0) square = ratio;
         least = std::min(least, ratio);
         most = std::max(most, ratio);
@@ -125,8 +126,8 @@ TEST_CASE("a shell that turns as a rigid body by 90 degrees keeps its stress to 
                     turns[d][corner] = dphi[d];
                 }
             }
-            step_shell(x, dx, turns, element, model.section(), model.law(), kept, state,
-                       resultants, f, m, report, end);
+            step_shell(x, dx, turns, element, model.section(), model.law(), kept, state, resultants,
+                       f, m, report, end);
             work += std::abs(report.strain_work) + std::abs(report.hourglass_work);
         }
         INFO(steps << " steps");
@@ -146,10 +147,71 @@ TEST_CASE("a shell that turns as a rigid body by 90 degrees keeps its stress to 
     }
 }
 
+/// A section of a shell, layered; 200 GPa, yields at 200 MPa.
+PlasticSection steel_section(double hardening) {
+    return {0.01, {LinearElastic::from_young(2e11, 0.3), 2e8, hardening}};
+}
+
+TEST_CASE(
+    "a layered section is elastic as the exact one is, and yields as J2 in plane stress does") {
+    const PlasticSection section = steel_section(1e9);
+    const ElasticSection elastic{0.01, 2e11 / 0.91, 0.3};
+    LayeredState<double> layers{};
+    Resultants<double> kept{}, out, exact;
+    const double turn = 0, eps[3] = {2e-5, -1e-5, 3e-5}, kappa[3] = {1e-3, 2e-3, -1e-3};
+    const double work = section(layers, turn, eps, kappa, out).total;
+    CHECK(work == Approx(elastic(kept, turn, eps, kappa, exact).total).epsilon(1e-13));
+    for (int k = 0; k < 3; ++k) {
+        CHECK(out.N[k] == Approx(exact.N[k]).epsilon(1e-13));
+        CHECK(out.M[k] == Approx(exact.M[k]).epsilon(1e-13));
+    }
+
+    // uniaxial tension far beyond yield: stress = yield + hardening * plastic strain
+    layers = {};
+    const double none[3] = {0, 0, 0};
+    double strain = 0, plastic = 0, total = 0;
+    for (int n = 0; n < 2000; ++n) {
+        // the strain across follows from a free side: half of the axial one once plastic
+        double side = -0.3e-5;
+        for (int k = 0; k < 20; ++k) {
+            LayeredState<double> tried = layers;
+            const double d[3] = {1e-5, side, 0};
+            section(tried, turn, d, none, out);
+            side -= out.N[1] / (2e11 / 0.91 * 0.01);
+        }
+        const double d[3] = {1e-5, side, 0};
+        const SectionWork<double> w = section(layers, turn, d, none, out);
+        plastic += w.plastic;
+        total += w.total;
+        strain += 1e-5;
+    }
+    const double stress = out.N[0] / 0.01, eps_p = strain - stress / 2e11;
+    CHECK(std::abs(out.N[1]) < 1e-6 * out.N[0]);
+    CHECK(stress == Approx(2e8 + 1e9 * eps_p).epsilon(1e-6));
+    CHECK(layers.plastic_strain[2] == Approx(eps_p).epsilon(1e-6));
+    // what is not dissipated is stored
+    CHECK((total - plastic) / 0.01 == Approx(stress * stress / 2 / 2e11).epsilon(1e-4));
+
+    // pure shear of a perfectly plastic section
+    const PlasticSection perfect = steel_section(0);
+    layers = {};
+    const double shear[3] = {0, 0, 1e-3};
+    for (int n = 0; n < 10; ++n) perfect(layers, turn, shear, none, out);
+    CHECK(out.N[2] == Approx(2e8 / std::sqrt(3.0) * 0.01).epsilon(1e-12));
+
+    // bending beyond yield: the plastic moment of plane strain across, (2/sqrt 3) s_y t^2/4
+    layers = {};
+    const double bend[3] = {1e-2, 0, 0};
+    for (int n = 0; n < 200; ++n) perfect(layers, turn, none, bend, out);
+    const double full = 2 / std::sqrt(3.0) * 2e8 * 1e-4 / 4;
+    WARN("plastic moment with five points: " << out.M[0] / full << " of the exact one");
+    CHECK(out.M[0] / full == Approx(1).epsilon(0.03));
+}
+
 /// The five-element patch of MacNeal and Harder 1985.
 ShellModel patch() {
     ShellModel model;
-    model.x = {{0, 0, 0},       {0.24, 0, 0},       {0.24, 0.12, 0},    {0, 0.12, 0},
+    model.x = {{0, 0, 0},       {0.24, 0, 0},    {0.24, 0.12, 0}, {0, 0.12, 0},
                {0.04, 0.02, 0}, {0.18, 0.03, 0}, {0.16, 0.08, 0}, {0.08, 0.08, 0}};
     model.quad = {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}};
     model.thickness = 0.02;
@@ -167,8 +229,8 @@ TEST_CASE("a distorted patch carries a uniform membrane strain and a uniform cur
         const double x = model.x[k][0], y = model.x[k][1];
         if (bending) {  // w = 1e-3 (x^2 + x y + y^2)/2, normals stay normal
             u(6 * k + 2) = 0.5e-3 * (x * x + x * y + y * y);
-            u(6 * k + 3) = 0.5e-3 * (x + 2 * y);    // phi_x = w,y
-            u(6 * k + 4) = -0.5e-3 * (2 * x + y);   // phi_y = -w,x
+            u(6 * k + 3) = 0.5e-3 * (x + 2 * y);   // phi_x = w,y
+            u(6 * k + 4) = -0.5e-3 * (2 * x + y);  // phi_y = -w,x
         } else {
             u(6 * k) = 1e-3 * (x + 0.5 * y);
             u(6 * k + 1) = 1e-3 * (y + 0.5 * x);
@@ -185,8 +247,8 @@ TEST_CASE("a distorted patch carries a uniform membrane strain and a uniform cur
     for (int k = 4; k < n; ++k)
         for (int d = 0; d < 5; ++d)  // not the turn about the normal
             worst = std::max(worst, std::abs(found(6 * k + d) - u(6 * k + d)));
-    WARN((bending ? "bending" : "membrane") << " patch: error of the inner nodes "
-                                            << worst / u.cwiseAbs().maxCoeff());
+    WARN((bending ? "bending" : "membrane")
+         << " patch: error of the inner nodes " << worst / u.cwiseAbs().maxCoeff());
     // t/L = 1/12; the conditioning of bending grows as (L/t)^2, and round-off with it
     CHECK(worst < 1e-12 * u.cwiseAbs().maxCoeff());
 }

@@ -191,11 +191,10 @@ TEST_CASE("twisted beam", "[shell course]") {
             L * L * L / E *
                 (direction == 0 ? more / weak + less / strong : less / weak + more / strong) +
             shear;
-        const double error =
-            ladder(direction == 0 ? "twisted beam in its tip's plane, 6 n x n"
-                                  : "twisted beam across its tip's plane, 6 n x n",
-                   reference, {2, 4, 8},
-                   [&](int n) { return twisted_beam(6 * n, n, direction, t, 1); });
+        const double error = ladder(direction == 0 ? "twisted beam in its tip's plane, 6 n x n"
+                                                   : "twisted beam across its tip's plane, 6 n x n",
+                                    reference, {2, 4, 8},
+                                    [&](int n) { return twisted_beam(6 * n, n, direction, t, 1); });
         CHECK(std::abs(error) < 0.01);
     }
 }
@@ -203,7 +202,7 @@ TEST_CASE("twisted beam", "[shell course]") {
 TEST_CASE("pinched hemisphere with a hole", "[shell course]") {
     // 0.093 to 0.094 in the literature, not confirmed here: only that the meshes agree
     const double finest = pinched_hemisphere(48);
-    const double error = ladder("pinched hemisphere, n x n on a quarter, over 48 x 48",  finest,
+    const double error = ladder("pinched hemisphere, n x n on a quarter, over 48 x 48", finest,
                                 {8, 16, 32}, [](int n) { return pinched_hemisphere(n); });
     WARN("pinched hemisphere, 48 x 48: " << finest);
     CHECK(std::abs(error) < 0.003);
@@ -215,10 +214,9 @@ TEST_CASE("thin square plate under pressure", "[shell course]") {
         const double clamped = ladder(
             distortion > 0 ? "clamped plate, distorted, n x n" : "clamped plate, n x n",
             1.265319e-3, {8, 16, 32}, [&](int n) { return plate_sag(n, true, 1e-3, distortion); });
-        const double supported =
-            ladder(distortion > 0 ? "supported plate, distorted, n x n" : "supported plate, n x n",
-                   4.062353e-3, {8, 16, 32},
-                   [&](int n) { return plate_sag(n, false, 1e-3, distortion); });
+        const double supported = ladder(
+            distortion > 0 ? "supported plate, distorted, n x n" : "supported plate, n x n",
+            4.062353e-3, {8, 16, 32}, [&](int n) { return plate_sag(n, false, 1e-3, distortion); });
         CHECK(std::abs(clamped) < 0.005);
         CHECK(std::abs(supported) < 0.005);
     }
@@ -270,8 +268,9 @@ TEST_CASE("frequencies of a cantilever plate", "[shell course]") {
     std::string text = "cantilever plate, four lowest frequencies, n x n, over thin plate theory:";
     std::vector<double> last;
     for (int n : {4, 8, 16}) {
-        ShellModel model = shell_grid(
-            n, n, [](double u, double v) -> std::array<double, 3> { return {u, v, 0}; });
+        ShellModel model = shell_grid(n, n, [](double u, double v) -> std::array<double, 3> {
+            return {u, v, 0};
+        });
         model.thickness = 1e-3;
         model.poisson_ratio = 0.3;
         model.young_modulus = 12 * (1 - 0.09) / 1e-9;  // D = 1
@@ -296,10 +295,11 @@ TEST_CASE("a corner of two shells carries moments: the turn about one's normal b
     // column of height H, arm of length a, load P at its end: P (a^3/3 + a^2 H)/(E I), and shear
     const double H = 2, a = 1, b = 0.1, t = 0.02, E = 1e7;
     const int n = 16, across = 4;
-    ShellModel model = shell_grid(2 * n + n, across, [&](double u, double v) -> std::array<double, 3> {
-        const double s = u * (H + a);
-        return {s < H ? 0.0 : s - H, b * v, std::min(s, H)};
-    });
+    ShellModel model =
+        shell_grid(2 * n + n, across, [&](double u, double v) -> std::array<double, 3> {
+            const double s = u * (H + a);
+            return {s < H ? 0.0 : s - H, b * v, std::min(s, H)};
+        });
     model.thickness = t;
     model.young_modulus = E;
     std::vector<int> fixed;
@@ -318,9 +318,11 @@ TEST_CASE("a corner of two shells carries moments: the turn about one's normal b
     const double aside = solve(model, fixed, g)(6 * grid_node(3 * n, 3 * n, 0) + 1);
     const double G = E / 2, strong = t * b * b * b / 12;
     const double r = t / b, torsion = b * t * t * t / 3 * (1 - 0.630 * r + 0.052 * std::pow(r, 5));
-    const double aside_theory = P * ((a * a * a + H * H * H) / (3 * E * strong) + a * a * H / (G * torsion));
+    const double aside_theory =
+        P * ((a * a * a + H * H * H) / (3 * E * strong) + a * a * H / (G * torsion));
     WARN("corner: tip of the frame " << tip / frame << " of beam theory in its plane, "
-                                     << aside / aside_theory << " across it, where the column twists");
+                                     << aside / aside_theory
+                                     << " across it, where the column twists");
     CHECK(tip / frame == Approx(1).epsilon(0.005));
     // clamp and corner keep the column's ends from warping, which free torsion does not
     CHECK(aside / aside_theory == Approx(1).epsilon(0.08));

@@ -40,12 +40,12 @@ ShellConstants<double> ShellModel::constants(const std::array<int, 4>& q) const 
     double corner[3][4];
     corners_of(*this, q, corner);
     const ShellFrame<double> frame = frame_of(corner);
-    return {.mass = density * thickness * frame.area,
-            .area = frame.area,
-            .rotary = (frame.area + thickness * thickness) / 12,
-            .axis_weight = {1 / (frame.l * frame.l),
-                            1 / (frame.ex * frame.ex + frame.ey * frame.ey)},
-            .omega2_reference = 0};
+    return {
+        .mass = density * thickness * frame.area,
+        .area = frame.area,
+        .rotary = (frame.area + thickness * thickness) / 12,
+        .axis_weight = {1 / (frame.l * frame.l), 1 / (frame.ex * frame.ex + frame.ey * frame.ey)},
+        .omega2_reference = 0};
 }
 
 ShellModel shell_grid(int n_u, int n_v,

@@ -12,8 +12,8 @@
 namespace undertow::fem {
 
 struct ShellModel {
-    std::vector<std::array<double, 3>> x;    // [m]
-    std::vector<std::array<int, 4>> quad;    // node numbers
+    std::vector<std::array<double, 3>> x;  // [m]
+    std::vector<std::array<int, 4>> quad;  // node numbers
     double thickness = 1, young_modulus = 1, poisson_ratio = 0;
     double density = 1;
 
