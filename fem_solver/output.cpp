@@ -113,10 +113,15 @@ void Output::fields(double t, const Structure& structure) {
             3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
         pressure[e] = -(s[0] + s[1] + s[2]) / 3;
     }
+    const Elements::FaceStress faces = structure.elements().face_stress();
     const std::vector<double> plastic_strain = structure.elements().plastic_strain();
     std::vector<Field> of_elements{{"stress", "Pa", 6, stress},
                                    {"von_mises", "Pa", 1, von_mises},
                                    {"pressure", "Pa", 1, pressure}};
+    if (!faces.top.empty()) {
+        of_elements.push_back({"stress_top", "Pa", 6, faces.top});
+        of_elements.push_back({"stress_bottom", "Pa", 6, faces.bottom});
+    }
     if (structure.elements().any_plastic())
         of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
     mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}}, of_elements);

@@ -40,6 +40,14 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    for (const Support& support : model_.supports)
+        for (std::int32_t n : support.nodes)
+            for (int d = 0; d < 3; ++d)
+                if (support.turned[d]) elements_.hold_rotation(n, d);
+    if (!model_.surface.offset.empty()) {
+        faces_ = ShellFaces(model_.surface, *elements_.turning_nodes());
+        faces_.follow(nodes_.x);
+    }
     model_.far_field.hold(nodes_);
     for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
@@ -119,11 +127,6 @@ void Structure::find_frequency() {
     // less than this.
     constexpr double margin = 1.01;
     if (report_.omega2 == 0) return;  // nothing deforms
-    if (elements_.rotates()) {        // the search knows nodes that move, not nodes that turn
-        tightening_ = 1;
-        elements_.accept_shape();
-        return;
-    }
     const LargestFrequency found = find_largest_frequency(elements_, nodes_);
     tightening_ =
         found.converged ? std::min(1.0, margin * found.omega / std::sqrt(report_.omega2)) : 1.0;
@@ -157,6 +160,7 @@ void Structure::contact_forces(std::span<const double> f) {
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
+    if (!faces_.empty()) faces_.add_moments(contact_.force, *elements_.turning_nodes());
     if (!model_.water) return;
     model_.water->evaluate(nodes_.x);
     model_.water->load.add_to(nodes_.f);
@@ -185,6 +189,8 @@ void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
+    if (!faces_.empty())
+        contact_.work += 0.5 * dt_ * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
@@ -202,10 +208,13 @@ void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
     for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
+    if (!faces_.empty())
+        contact_.work += 0.5 * dt * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
     elements_.drift(dt, threads_);
+    if (!faces_.empty()) faces_.follow(nodes_.x);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
 }
@@ -272,6 +281,7 @@ Residual Structure::residual() const {
 
 void Structure::finish() {
     contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    if (!faces_.empty()) faces_.add_moments(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.add_to(nodes_.f);
     kick(dt_);
 }
@@ -371,6 +381,21 @@ Vec3 Structure::velocity(std::int32_t node) const {
         v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
     }
     return v;
+}
+
+Row Structure::surface_position(std::size_t i) const {
+    const Row x = as_row(nodes_.x[contact_.node[i]]);
+    return faces_.empty() ? x : x + faces_.lever(i);
+}
+
+Row Structure::surface_velocity(std::size_t i) const {
+    const Row v = as_row(nodes_.v[contact_.node[i]]);
+    return faces_.empty() ? v : v + faces_.velocity(i, *elements_.turning_nodes());
+}
+
+double Structure::surface_mass(std::size_t i) const {
+    const double mass = nodes_.mass[contact_.node[i]];
+    return faces_.empty() ? mass : faces_.mass(i, mass, *elements_.turning_nodes());
 }
 
 Vec3 Structure::displacement(std::int32_t node) const {

@@ -13,6 +13,7 @@
 #include "fem_solver/nodes.hpp"
 #include "fem_solver/rigid/rigid_body.hpp"
 #include "fem_solver/setup/model.hpp"
+#include "fem_solver/shells/shell_faces.hpp"
 
 namespace undertow::fem {
 
@@ -100,6 +101,11 @@ class Structure {
     /// [m/s] v^n of a node, from both half steps.
     Vec3 velocity(std::int32_t node) const;
     Vec3 displacement(std::int32_t node) const;  // [m]
+    /// Of node i of the coupled surface, which of a shell lies on one of its faces: [m], [m/s] at
+    /// n - 1/2, and [kg] that contact meets there.
+    Row surface_position(std::size_t i) const;
+    Row surface_velocity(std::size_t i) const;
+    double surface_mass(std::size_t i) const;
     /// [N] force the support exerts on the structure (after all forces of the step are in).
     Vec3 reaction(const Support& support) const;
     double largest_displacement() const;  // [m]
@@ -129,6 +135,7 @@ class Structure {
     Elements elements_;
     Nodes nodes_;
     NodalLoad contact_;
+    ShellFaces faces_;  // of the coupled surface; empty without shells
     std::vector<RigidBody> bodies_;
     std::vector<ContactPair> pairs_;
     std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies

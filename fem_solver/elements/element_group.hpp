@@ -42,6 +42,8 @@ struct ExtremeElement {
     double value = 0;
 };
 
+struct TurningNodes;
+
 class ElementGroup {
  public:
     virtual ~ElementGroup() = default;
@@ -59,7 +61,8 @@ class ElementGroup {
     /// n-1 to n; with 0 the forces of the present stresses, at rest. The same bits for any number
     /// of threads.
     virtual ElementsReport step(Nodes& nodes, double dt, int threads) = 0;
-    /// f -= K u of the stress-free material in the present shape, for the largest frequency.
+    /// f -= K u of the stress-free material in the present shape, for the largest frequency. Rows of
+    /// u and f beyond those of x are rotations and moments of the nodes that turn.
     virtual void subtract_tangent_forces(const NodeRows& x, const NodeRows& u,
                                          NodeRows& f) const = 0;
     /// Makes the present eigenvalue bounds the reference of `stiffening`.
@@ -67,12 +70,17 @@ class ElementGroup {
 
     // Nodes that turn: groups without rotations have nothing to do.
     virtual bool rotates() const { return false; }
+    virtual TurningNodes* turning_nodes() { return nullptr; }
+    /// [1/(kg m2)] of the nodes that turn, per direction; 0 where a support holds it.
+    virtual std::span<const NodeRow> inverse_inertia() const { return {}; }
     /// Angular velocities, with the nodes' own kick; the report's kinetic energy is that of
     /// turning.
     virtual KickReport kick(const Kick& /*step*/, int /*threads*/) { return {}; }
     virtual void drift(double /*dt*/, int /*threads*/) {}  // rotations
     virtual void hold() {}  // instead of kick and drift: moments of the step are forgotten
     virtual void stop() {}  // all turning ends
+    /// A support holds the rotation of a node of the mesh about x, y or z (0, 1, 2).
+    virtual void hold_rotation(std::int32_t /*node*/, int /*axis*/) {}
 
     /// Largest eigenvalue bound [1/s2] in the last step (or at the start).
     virtual ExtremeElement stiffest() const = 0;
@@ -80,6 +88,8 @@ class ElementGroup {
     virtual ExtremeElement most_compressed(const Nodes& nodes) const = 0;
     /// [Pa] (elements of the mesh, 6) xx yy zz xy yz zx; fills the rows of its own elements.
     virtual void write_stress(std::span<double> stress) const = 0;
+    /// The same on the faces of shells that their normals point out of (top) and into.
+    virtual void write_face_stress(std::span<double> /*top*/, std::span<double> /*bottom*/) const {}
     /// Equivalent plastic strain so far (elements of the mesh); fills its own.
     virtual void write_plastic_strain(std::span<double> strain) const = 0;
 };

@@ -6,6 +6,7 @@
 #include "fem_solver/elements/bbar_hexahedra.hpp"
 #include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/elements/tetrahedra.hpp"
+#include "fem_solver/shells/shells.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -22,6 +23,7 @@ constexpr Kind kinds[] = {
     {ElementFormulation::one_point, ElementShape::hexahedron, "one_point"},
     {ElementFormulation::b_bar, ElementShape::hexahedron, "b_bar"},
     {ElementFormulation::averaged_pressure, ElementShape::tetrahedron, "averaged_pressure"},
+    {ElementFormulation::shell, ElementShape::shell, "shell"},
 };
 
 std::unique_ptr<ElementGroup> make_group(const Kind& kind, const Mesh& mesh,
@@ -32,6 +34,8 @@ std::unique_ptr<ElementGroup> make_group(const Kind& kind, const Mesh& mesh,
             return std::make_unique<BbarHexahedra>(mesh, parts, viscosity);
         case ElementFormulation::averaged_pressure:
             return std::make_unique<Tetrahedra>(mesh, parts, viscosity);
+        case ElementFormulation::shell:
+            return std::make_unique<Shells>(mesh, parts);
         default:
             return std::make_unique<Hexahedra>(mesh, parts, viscosity);
     }
@@ -67,7 +71,7 @@ Elements::Elements(const Mesh& mesh, const std::vector<Part>& parts, const BulkV
         const LinearElastic& moduli = elastic_moduli(part.material);
         wave_speed_ =
             std::max(wave_speed_, std::sqrt((moduli.lambda + 2 * moduli.mu) / part.density));
-        any_plastic_ |= is_plastic(part.material);
+        any_plastic_ |= is_plastic(part.material) || part.plane_plastic;
         std::vector<std::vector<std::int32_t>> split(std::size(kinds));
         for (std::int32_t e : part.elements) {
             part_of_[e] = std::int32_t(p);
@@ -129,6 +133,18 @@ bool Elements::rotates() const {
                        [](const auto& group) { return group->rotates(); });
 }
 
+TurningNodes* Elements::turning_nodes() const {
+    for (const auto& group : groups_)
+        if (group->rotates()) return group->turning_nodes();
+    return nullptr;
+}
+
+std::span<const NodeRow> Elements::inverse_inertia() const {
+    for (const auto& group : groups_)
+        if (group->rotates()) return group->inverse_inertia();
+    return {};
+}
+
 KickReport Elements::kick(const Kick& step, int threads) {
     KickReport sum;
     for (const auto& group : groups_)
@@ -142,6 +158,10 @@ void Elements::drift(double dt, int threads) {
 
 void Elements::hold() {
     for (const auto& group : groups_) group->hold();
+}
+
+void Elements::hold_rotation(std::int32_t node, int axis) {
+    for (const auto& group : groups_) group->hold_rotation(node, axis);
 }
 
 void Elements::stop() {
@@ -169,6 +189,15 @@ std::size_t Elements::most_compressed(const Nodes& nodes) const {
 std::vector<double> Elements::stress() const {
     std::vector<double> all(6 * size(), 0.0);
     for (const auto& group : groups_) group->write_stress(all);
+    return all;
+}
+
+Elements::FaceStress Elements::face_stress() const {
+    FaceStress all;
+    if (!rotates()) return all;
+    all.top.resize(6 * size());
+    all.bottom.resize(6 * size());
+    for (const auto& group : groups_) group->write_face_stress(all.top, all.bottom);
     return all;
 }
 

@@ -36,10 +36,13 @@ class Elements {
     void accept_shape();
 
     bool rotates() const;
+    TurningNodes* turning_nodes() const;  // of the one group that rotates, or none
+    std::span<const NodeRow> inverse_inertia() const;  // of the one group that rotates
     KickReport kick(const Kick& step, int threads);
     void drift(double dt, int threads);
     void hold();
     void stop();
+    void hold_rotation(std::int32_t node, int axis);
 
     std::size_t stiffest() const;
     std::size_t most_compressed(const Nodes& nodes) const;
@@ -47,6 +50,11 @@ class Elements {
 
     /// [Pa] (n_elements, 6) xx yy zz xy yz zx, in the mesh's order; without bulk viscosity.
     std::vector<double> stress() const;
+    /// The same on both faces of shells, 0 of solids; empty when there are no shells.
+    struct FaceStress {
+        std::vector<double> top, bottom;
+    };
+    FaceStress face_stress() const;
     /// Equivalent plastic strain (n_elements) so far, in the mesh's order; 0 of elastic parts.
     std::vector<double> plastic_strain() const;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "fem_solver/materials/j2.hpp"
 #include "fem_solver/materials/material.hpp"
 
 namespace undertow::fem {
@@ -19,6 +20,8 @@ struct Part {
     Material material;
     std::optional<double> weight_density{};  // [kg/m3] that gravity acts on; none = density
     ElementFormulation element = ElementFormulation::automatic;
+    double thickness = 0;               // [m] of shells
+    std::optional<J2> plane_plastic{};  // of shells that can yield; `material` has their moduli
 };
 
 struct BulkViscosity {

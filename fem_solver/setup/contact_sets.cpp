@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
@@ -126,6 +127,13 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
             set.stiffness[index(n)] += modulus[e] * share / depth;
         }
     }
+    std::set<Quad> shells;
+    for (const Quad& shell : mesh.shells) shells.insert(sorted_facet(shell));
+    for (const Quad& q : set.surface)
+        if (shells.count(sorted_facet(q)) > 0)
+                throw InputError(name + ": surface = \"" + contact.surface +
+                                 "\" is of shells; contact inside the mesh is between faces of "
+                                 "solids and rigid bodies, so mesh that part with hexahedra.");
     for (const Quad& q : set.surface)
         for (std::int32_t n : q)
             if (std::binary_search(set.nodes.begin(), set.nodes.end(), n))

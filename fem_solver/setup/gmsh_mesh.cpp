@@ -325,7 +325,7 @@ Mesh GmshFile::read() {
     if (!format || !nodes || !elements)
         words_.fail("the mesh lacks $MeshFormat, $Nodes or $Elements");
     if (mesh_.n_elements() == 0)
-        words_.fail("the mesh has no 8-node hexahedra and no 4-node tetrahedra");
+        words_.fail("the mesh has no 8-node hexahedra, no 4-node tetrahedra and no shells");
     number_elements();
     orient_facets();
     drop_unused_nodes();

@@ -52,6 +52,10 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
     std::vector<InitialStress> all;
     for (std::int32_t e : mesh.elements_of(ground.set, "fem.geostatic")) {
         if (part_of[e] < 0) continue;  // nothing that could be stressed
+        if (mesh.shape_of(e) == ElementShape::shell)
+            throw InputError("fem.geostatic: set = \"" + ground.set + "\" holds " +
+                             mesh.element_name(e) +
+                             ", but only solid ground has a stress at rest; give a set of solids.");
         const Part& part = parts[part_of[e]];
         double z = 0;
         const std::span<const std::int32_t> corners = mesh.corners(e);

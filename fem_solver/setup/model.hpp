@@ -18,15 +18,19 @@ namespace undertow::fem {
 struct Support {
     std::string name;  // its set
     std::vector<std::int32_t> nodes;
-    std::array<bool, 3> fixed{};  // x, y, z
+    std::array<bool, 3> fixed{};   // x, y, z
+    std::array<bool, 3> turned{};  // rotations about x, y, z that are held; of nodes of shells
 };
 
 /// The coupled surfaces as one list of facets on their own nodes.
 struct CoupledSurface {
     std::vector<std::string> names;
-    std::vector<std::int32_t> node;   // of the mesh, increasing
+    std::vector<std::int32_t> node;   // of the mesh, increasing; of a shell each on both its faces
     std::vector<Quad> quad;           // indices into `node`; normals out of the solid
     std::vector<std::int32_t> group;  // per quad, index into names
+    std::vector<double> offset;       // [m] of each node from the shell's middle, + and -; empty
+                                      // without shells
+    std::vector<std::int32_t> twin;   // of each node with an offset < 0 the one opposite
 };
 
 struct Probe {

@@ -9,13 +9,16 @@ Skin::Skin(const Mesh& mesh) : source_(mesh.source) {
         face.node = q;
         ++face.elements;
     });
+    for (const Quad& q : mesh.shells) shell_.insert(sorted_facet(q));
 }
 
 Quad Skin::outward(const Quad& quad, const std::string& what) const {
     const auto found = face_.find(sorted_facet(quad));
+    if (shell_.count(sorted_facet(quad)) > 0 && found == face_.end()) return quad;
     if (found == face_.end())
         throw InputError(source_ + ": " + what +
-                         " is not a face of any solid element; mesh surface and volume together.");
+                         " is not a face of any solid element, and no shell; mesh surface and volume "
+                         "together.");
     if (found->second.elements > 1)
         throw InputError(source_ + ": " + what +
                          " lies between two elements; a facet set must lie on the outer skin.");

@@ -229,32 +229,38 @@ struct FemBlock {                        // [fem.block] structured mesh, instead
     // volume set "block"; facet sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"; node sets alike
 };
 
-enum class MaterialKind { linear_elastic, tresca };
+enum class MaterialKind { linear_elastic, tresca, j2 };
 struct FemMaterial {                     // [[fem.material]]
     std::string name;
-    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca"
+    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca",
+                                         // "j2" (of shells)
     double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
     std::optional<double> weight_density{};  // [kg/m3] of the weight (under water: less the water's);
                                          // none = density
     double young_modulus = 0;            // [Pa]
     double poisson_ratio = 0;            // -1 to 0.5
     double shear_strength = 0;           // [Pa] s_u of "tresca"
+    double yield_stress = 0;             // [Pa] of "j2"
+    double hardening = 0;                // [Pa] of "j2": rise of the yield stress per plastic strain
 };
 
 /// How the elements of a part compute their stress. `automatic`: hexahedra "one_point", tetrahedra
-/// "averaged_pressure".
-enum class ElementFormulation { automatic, one_point, b_bar, averaged_pressure };
+/// "averaged_pressure". Quads are elements where they are "shell".
+enum class ElementFormulation { automatic, one_point, b_bar, averaged_pressure, shell };
 
 struct FemPart {                         // [[fem.part]]
-    std::string set;                     // volume set of the mesh ($PhysicalNames)
+    std::string set;                     // volume set of the mesh ($PhysicalNames); of shells a
+                                         // surface
     std::string material;
     ElementFormulation element = ElementFormulation::automatic;  // "one_point", "b_bar",
-                                                                 // "averaged_pressure"
+                                                                 // "averaged_pressure", "shell"
+    double thickness = 0;                // [m] of "shell"
 };
 
 struct FemSupport {                      // [[fem.support]]
     std::string set;                     // node, facet or volume set
-    std::vector<std::string> fix;        // of "x", "y", "z"
+    std::vector<std::string> fix;        // of "x", "y", "z"; nodes of shells also "rx",
+                                         // "ry", "rz", and "clamp" for all six
 };
 
 struct FemPressure {                     // [[fem.pressure]] follows the deforming facets

@@ -41,6 +41,7 @@ const char* name(ElementFormulation v) {
     return v == ElementFormulation::one_point           ? "one_point"
            : v == ElementFormulation::b_bar             ? "b_bar"
            : v == ElementFormulation::averaged_pressure ? "averaged_pressure"
+           : v == ElementFormulation::shell             ? "shell"
                                                         : "auto";
 }
 const char* name(StiffnessLaw v) {
@@ -221,15 +222,20 @@ void to_json(Json& j, const FemBlock& v) {
 }
 void to_json(Json& j, const FemMaterial& v) {
     j = {{"name", v.name},
-         {"kind", v.kind == MaterialKind::tresca ? "tresca" : "linear_elastic"},
+         {"kind", v.kind == MaterialKind::tresca ? "tresca"
+                  : v.kind == MaterialKind::j2   ? "j2"
+                                                 : "linear_elastic"},
          {"density", v.density},
          {"weight_density", v.weight_density.value_or(v.density)},
          {"young_modulus", v.young_modulus},
          {"poisson_ratio", v.poisson_ratio},
-         {"shear_strength", v.shear_strength}};
+         {"shear_strength", v.shear_strength},
+         {"yield_stress", v.yield_stress},
+         {"hardening", v.hardening}};
 }
 void to_json(Json& j, const FemPart& v) {
-    j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)}};
+    j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},
+         {"thickness", v.thickness}};
 }
 void to_json(Json& j, const FemSupport& v) {
     j = {{"set", v.set}, {"fix", v.fix}};

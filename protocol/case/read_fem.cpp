@@ -73,7 +73,9 @@ void read_material(TableReader& reader, FemMaterial& material) {
     reader.text("name", material.name);
     reader.choice<MaterialKind>(
         "kind", material.kind,
-        {{"linear_elastic", MaterialKind::linear_elastic}, {"tresca", MaterialKind::tresca}});
+        {{"linear_elastic", MaterialKind::linear_elastic},
+         {"tresca", MaterialKind::tresca},
+         {"j2", MaterialKind::j2}});
     reader.number("density", material.density, positive("kg/m3"));
     double weight_density = 0;
     reader.number("weight_density", weight_density, any("kg/m3"));
@@ -84,7 +86,15 @@ void read_material(TableReader& reader, FemMaterial& material) {
     if (material.kind == MaterialKind::tresca)
         reader.require("shear_strength", "the undrained shear strength s_u in Pa");
     else if (reader.has("shear_strength"))
-        reader.reject("shear_strength", "has no effect on kind = \"linear_elastic\".");
+        reader.reject("shear_strength", "has no effect but on kind = \"tresca\".");
+    reader.number("yield_stress", material.yield_stress, positive("Pa"));
+    reader.number("hardening", material.hardening, at_least(0, "Pa"));
+    if (material.kind == MaterialKind::j2) {
+        reader.require("yield_stress", "the yield stress in uniaxial tension in Pa");
+        return;
+    }
+    for (const char* key : {"yield_stress", "hardening"})
+        if (reader.has(key)) reader.reject(key, "has no effect but on kind = \"j2\".");
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.
@@ -186,13 +196,24 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
                                          {{"one_point", ElementFormulation::one_point},
                                           {"b_bar", ElementFormulation::b_bar},
                                           {"averaged_pressure",
-                                           ElementFormulation::averaged_pressure}});
+                                           ElementFormulation::averaged_pressure},
+                                          {"shell", ElementFormulation::shell}});
+        entry.number("thickness", part.thickness, positive("m"));
+        if (part.element == ElementFormulation::shell)
+            entry.require("thickness", "the thickness of the shell in m");
+        else if (entry.has("thickness"))
+            entry.reject("thickness", "has no effect but with element = \"shell\".");
+        if (part.element == ElementFormulation::shell && fem.block)
+            entry.reject("element",
+                         "= \"shell\" needs quads, but [fem.block] is made of hexahedra; bring the "
+                         "shell in a fem.mesh, as a physical surface.");
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();
         read_set(entry, support.set, fem, with(block_facets, "block"));
-        entry.require("fix", "a list of \"x\", \"y\", \"z\"");
-        entry.words("fix", support.fix, {"x", "y", "z"});
+        entry.require("fix", "a list of \"x\", \"y\", \"z\", and of shells \"rx\", \"ry\", \"rz\", "
+                             "\"clamp\"");
+        entry.words("fix", support.fix, {"x", "y", "z", "rx", "ry", "rz", "clamp"});
     });
     reader.tables("pressure", [&](TableReader& entry) {
         FemPressure& pressure = fem.pressure.emplace_back();

@@ -2,7 +2,8 @@
 // the one-point hexahedron, the 8-point one and the tetrahedron, double: elastic, Tresca that stays
 // elastic, Tresca with every element flowing in every step. Inner nodes moved by a tenth of an
 // element.
-//   bench_fem_throughput [--json]
+//   bench_fem_throughput [--json | --shells]
+// Shells: elastic, and J2 at five points through the thickness.
 // Targets: 15 M element-steps/s on one core at 64,000 elements, 20 us per step for 240 elements; 5 M
 // for the 8-point hexahedron.
 
@@ -120,7 +121,74 @@ double print(const std::array<int, 3>& divisions, int threads, Law law = Law::el
 
 }  // namespace
 
+enum class Section { elastic, layered, flowing };
+
+/// A square plate of n x n shells, 10 mm each, its inner nodes moved by a tenth of an element.
+Model make_plate(int n, Section section) {
+    Case c;
+    c.info.gravity = {0, 0, -9.81};
+    c.fem.material = {{"steel", MaterialKind::linear_elastic, 7850, {}, 210e9, 0.3, 0}};
+    if (section != Section::elastic) {
+        c.fem.material[0].kind = MaterialKind::j2;
+        c.fem.material[0].yield_stress = section == Section::layered ? 1e12 : 1e3;
+        c.fem.material[0].hardening = 1e9;
+    }
+    c.fem.part = {{"plate", "steel", ElementFormulation::shell, 0.002}};
+    Mesh mesh;
+    mesh.source = "plate";
+    for (int j = 0; j <= n; ++j)
+        for (int i = 0; i <= n; ++i) {
+            const double k = i + 1000.0 * j;
+            mesh.x.push_back({0.01 * i + 0.0005 * std::sin(12.9898 * k),
+                              0.01 * j + 0.0005 * std::sin(78.233 * k),
+                              0.0005 * std::sin(39.346 * k)});
+        }
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const int a = i + (n + 1) * j;
+            mesh.volume_sets["plate"].push_back(std::int32_t(mesh.shells.size()));
+            mesh.shells.push_back({a, a + 1, a + n + 2, a + n + 1});
+            mesh.element_tag.push_back(std::int64_t(mesh.shells.size()));
+        }
+    return build_model(c, std::move(mesh));
+}
+
+/// Element-steps per second of the whole step of n x n shells on one core, best of eight runs.
+double print_shells(int n, Section section) {
+    Structure s(make_plate(n, section), 1);
+    const double dt = s.stable_step().dt;
+    if (section == Section::flowing) shear(s, dt);
+    const double elements = double(n) * n;
+    const int steps = std::max(5, int(1e6 / elements));
+    double best = 1e300;
+    for (int repeat = 0; repeat < 8; ++repeat) {
+        const double start = cpu_clock();
+        for (int k = 0; k < steps; ++k) {
+            s.stable_step();
+            s.internal_forces();
+            s.check_health(k, 0);
+            s.kick(dt);
+            s.drift(dt);
+        }
+        best = std::min(best, (cpu_clock() - start) / steps);
+    }
+    const double yielding = double(s.yielding_elements()) / elements;
+    if (yielding != (section == Section::flowing ? 1 : 0))
+        std::fprintf(stderr, "warning: %g of the shells yield\n", yielding);
+    std::fprintf(stderr, "%8.0f shells, 1 thread: %9.1f us per step, %6.2f M element-steps/s, %s\n",
+                 elements, 1e6 * best, 1e-6 * elements / best,
+                 section == Section::elastic   ? "elastic"
+                 : section == Section::layered ? "J2 at five points, all elastic"
+                                               : "J2 at five points, all flowing");
+    return elements / best;
+}
+
 int main(int argc, char** argv) {
+    if (argc > 1 && std::strcmp(argv[1], "--shells") == 0) {
+        for (Section section : {Section::elastic, Section::layered, Section::flowing})
+            print_shells(200, section);
+        return 0;
+    }
     print({12, 1, 20}, 1);  // a wall
     print({20, 20, 20}, 1);
     const double rate = print({40, 40, 40}, 1);
@@ -134,6 +202,9 @@ int main(int argc, char** argv) {
     const double four_tresca = print(small, 1, Law::tresca_elastic, tetrahedra);
     const double four_flowing = print(small, 1, Law::tresca_flowing, tetrahedra);
     const double large = print({64, 64, 64}, 1);
+    const double shell = print_shells(200, Section::elastic);
+    const double layered = print_shells(200, Section::layered);
+    const double shell_flowing = print_shells(200, Section::flowing);
     const int cores = int(std::thread::hardware_concurrency());
     const double two = cores > 1 ? print({64, 64, 64}, 2) : large;
     if (argc > 1 && std::strcmp(argv[1], "--json") == 0)
@@ -142,7 +213,8 @@ int main(int argc, char** argv) {
             "\"fem.hex1_tresca_flowing\": %.4g, \"fem.hex8_bbar\": %.4g, "
             "\"fem.hex8_bbar_tresca\": %.4g, \"fem.hex8_bbar_tresca_flowing\": %.4g, "
             "\"fem.tet4\": %.4g, \"fem.tet4_tresca\": %.4g, \"fem.tet4_tresca_flowing\": %.4g, "
+            "\"fem.shell4\": %.4g, \"fem.shell4_j2\": %.4g, \"fem.shell4_j2_flowing\": %.4g, "
             "\"fem.two_thread_speedup\": %.3f}\n",
             rate, tresca, flowing, eight, eight_tresca, eight_flowing, four, four_tresca,
-            four_flowing, two / large);
+            four_flowing, shell, layered, shell_flowing, two / large);
 }
