@@ -19,13 +19,14 @@ struct OfWall {
 };
 
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
-template <class KernelLaw, Content content, bool sized = false, class OfOwn, class F>
+template <class KernelLaw, Content content, ViscousForm form, bool sized = false, class OfOwn,
+          class F>
 void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
                    const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f,
                    const OwnSize* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const float* root_mu = variable ? neighbors.root_viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
@@ -38,9 +39,9 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
         while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
         if (m == met.size()) met.push_back({extra.mask, body, {}});
         const auto add = [&](const PairSize<float8>* size) {
-            add_pair<KernelLaw, Terms::force, content, sized>(
+            add_pair<KernelLaw, Terms::force, content, sized, Gradient::plain, form>(
                 c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
-                with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f,
+                with ? with + FluidTag::of(j) : nullptr, variable ? root_mu[*at] : 0.0f,
                 static_cast<ShearSums<float8>*>(nullptr), size);
         };
         if constexpr (sized) {
@@ -61,7 +62,7 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
 
 /// Calls f(mask, ax, ay, az) with what the eight feel of images behind no-slip planes beyond that
 /// of free-slip ones: the walls' shear.
-template <class KernelLaw, Content content, class OfOwn, class F>
+template <class KernelLaw, Content content, ViscousForm form, class OfOwn, class F>
 void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                     const Meeting<float8>* with, const Neighborhood& neighbors,
                     const NoSlipImages& no_slip, int cluster, std::vector<OfWall>& met, F&& f) {
@@ -72,9 +73,9 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
         std::size_t m = 0;
         while (m < met.size() && met[m].mask != mask) ++m;
         if (m == met.size()) met.push_back({mask, -1, {}});
-        add_no_slip_image<KernelLaw, content>(
+        add_no_slip_image<KernelLaw, content, form>(
             c, i, no_slip.change(at->image), neighbors.records()[at->record], with,
-            variable ? neighbors.viscosity()[at->record] : 0.0f, met[m].sum);
+            variable ? neighbors.root_viscosity()[at->record] : 0.0f, met[m].sum);
     }
     for (const OfWall& of : met) {
         const float8 per_rho = i.volume * k.per_mass;
@@ -85,7 +86,7 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
     met.clear();
 }
 
-template <class KernelLaw>
+template <ViscousForm form, class KernelLaw>
 std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
                                  const Neighborhood& neighbors, const MirrorPlanes& mirror,
                                  const Bodies& bodies, const NoSlipImages& no_slip) {
@@ -148,41 +149,41 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 }
             };
             if (!mixed) {
-                for_each_shear<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, no_slip,
+                for_each_shear<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, no_slip,
                                                               cluster, met, add_shear);
-                for_each_wall<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
+                for_each_wall<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, cluster,
                                                              bodies, any_plane, met, add);
                 continue;
             }
             MixedLanes m;
-            look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
-                    i.own, m);
+            look_up(mixture, records, variable ? neighbors.root_viscosity().data() : nullptr, first,
+                    n, i.own, m);
             if (variable)
-                for_each_shear<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                for_each_shear<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
                                                                  m.with, neighbors, no_slip,
                                                                  cluster, met, add_shear);
             else
-                for_each_shear<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                for_each_shear<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
                                                             neighbors, no_slip, cluster, met,
                                                             add_shear);
             if (physics.sized()) {
                 const OwnSize own_size(physics, &neighbors.smoothing(), first, n);
                 if (variable)
-                    for_each_wall<KernelLaw, Content::viscoplastic, true>(
+                    for_each_wall<KernelLaw, Content::viscoplastic, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
                         any_plane, met, add, &own_size);
                 else
-                    for_each_wall<KernelLaw, Content::several, true>(
+                    for_each_wall<KernelLaw, Content::several, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
                         any_plane, met, add, &own_size);
                 continue;
             }
             if (variable)
-                for_each_wall<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                for_each_wall<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
                                                                 m.with, neighbors, cluster, bodies,
                                                                 any_plane, met, add);
             else
-                for_each_wall<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                for_each_wall<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
                                                            neighbors, cluster, bodies, any_plane,
                                                            met, add);
         }
@@ -200,7 +201,11 @@ std::vector<Vec3> wall_forces(const PairPhysics& physics, const Neighborhood& ne
                               const MirrorPlanes& mirror, const Bodies& bodies,
                               const NoSlipImages& no_slip) {
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        return force_on_walls(kernel, physics, neighbors, mirror, bodies, no_slip);
+        return physics.explicit_form() == ViscousForm::strain
+                   ? force_on_walls<ViscousForm::strain>(kernel, physics, neighbors, mirror, bodies,
+                                                         no_slip)
+                   : force_on_walls<ViscousForm::laplacian>(kernel, physics, neighbors, mirror,
+                                                            bodies, no_slip);
     });
 }
 
