@@ -86,9 +86,9 @@ class OwnSize {
 };
 
 /// What an image behind a no-slip plane adds to viscous forces and shear rate, see no_slip_images.hpp.
-template <class KernelLaw, Content content, ViscousForm form>
+template <class KernelLaw, Content content, ViscousForm form, class Change>
 inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
-                              const NoSlipImages::Change& v, const Packed& j,
+                              const Change& v, const Packed& j,
                               const Meeting<float8>* with, float root_mu_j, PairSums<float8>& sum,
                               ShearSums<float8>* shear = nullptr) {
     const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);

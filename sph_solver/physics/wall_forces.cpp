@@ -18,13 +18,32 @@ struct OfWall {
     PairSums<float8> sum;
 };
 
+/// What a dummy shows the implicit update beyond its record's velocity: 2 v_wall - u_i, or u_i itself
+/// where the body lets the fluid slip.  [m/s]
+struct DummyChange {
+    float8 x, y, z;
+
+    DummyChange(const Own<float8>& i, const Packed& j, const Bodies& bodies, int dummy) {
+        const RigidBody& rigid = bodies.body[bodies.owner[dummy]];
+        const Vec3 wall =
+            rigid.pose().velocity_at({bodies.x[dummy], bodies.y[dummy], bodies.z[dummy]});
+        const bool holds = rigid.body().slip == Slip::no_slip;
+        const auto change = [&](double w, float8 own, float shown) {
+            return holds ? static_cast<float>(2 * w) - own - shown : own - shown;
+        };
+        x = change(wall[0], i.vx, j.vx), y = change(wall[1], i.vy, j.vy);
+        z = change(wall[2], i.vz, j.vz);
+    }
+};
+
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
+/// implicit: bodies hold the fluid as in the implicit update, by their dummies.
 template <class KernelLaw, Content content, ViscousForm form, bool sized = false, class OfOwn,
           class F>
 void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f,
-                   const OwnSize* own_size = nullptr) {
+                   const Bodies& bodies, PlaneMask planes, bool implicit, std::vector<OfWall>& met,
+                   F&& f, const OwnSize* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
     const float* root_mu = variable ? neighbors.root_viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
@@ -50,6 +69,10 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
         } else {
             add(nullptr);
         }
+        if (implicit && body >= 0)
+            add_no_slip_image<KernelLaw, content, form>(
+                c, i, DummyChange(i.own, j, bodies, extra.source), j, with,
+                variable ? root_mu[*at] : 0.0f, met[m].sum);
     }
     for (const OfWall& of : met) {
         const float8 per_rho = i.volume * k.per_mass;
@@ -89,7 +112,8 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
 template <ViscousForm form, class KernelLaw>
 std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
                                  const Neighborhood& neighbors, const MirrorPlanes& mirror,
-                                 const Bodies& bodies, const NoSlipImages& no_slip) {
+                                 const Bodies& bodies, const NoSlipImages& no_slip,
+                                 bool implicit) {
     const double unit = neighbors.fixed().unit;
     const FluidLaw& first_fluid = physics.fluids[0];
     const auto c = pair_constants<float>(physics, first_fluid, unit);
@@ -152,7 +176,7 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 for_each_shear<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, no_slip,
                                                               cluster, met, add_shear);
                 for_each_wall<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, cluster,
-                                                             bodies, any_plane, met, add);
+                                                             bodies, any_plane, implicit, met, add);
                 continue;
             }
             MixedLanes m;
@@ -171,21 +195,21 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 if (variable)
                     for_each_wall<KernelLaw, Content::viscoplastic, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
-                        any_plane, met, add, &own_size);
+                        any_plane, implicit, met, add, &own_size);
                 else
                     for_each_wall<KernelLaw, Content::several, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
-                        any_plane, met, add, &own_size);
+                        any_plane, implicit, met, add, &own_size);
                 continue;
             }
             if (variable)
                 for_each_wall<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
                                                                 m.with, neighbors, cluster, bodies,
-                                                                any_plane, met, add);
+                                                                any_plane, implicit, met, add);
             else
                 for_each_wall<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
                                                            neighbors, cluster, bodies, any_plane,
-                                                           met, add);
+                                                           implicit, met, add);
         }
     }
     std::vector<Vec3> force(all, Vec3{});
@@ -197,15 +221,18 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
 
 }  // namespace
 
-std::vector<Vec3> wall_forces(const PairPhysics& physics, const Neighborhood& neighbors,
+std::vector<Vec3> wall_forces(const PairPhysics& of, const Neighborhood& neighbors,
                               const MirrorPlanes& mirror, const Bodies& bodies,
                               const NoSlipImages& no_slip) {
+    // of the velocities that the implicit update of the step before has found
+    PairPhysics physics = of;
+    physics.implicit_viscosity = false;
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        return physics.explicit_form() == ViscousForm::strain
-                   ? force_on_walls<ViscousForm::strain>(kernel, physics, neighbors, mirror, bodies,
-                                                         no_slip)
-                   : force_on_walls<ViscousForm::laplacian>(kernel, physics, neighbors, mirror,
-                                                            bodies, no_slip);
+        const auto force = physics.explicit_form() == ViscousForm::strain
+                                ? force_on_walls<ViscousForm::strain, std::decay_t<decltype(kernel)>>
+                                : force_on_walls<ViscousForm::laplacian,
+                                                 std::decay_t<decltype(kernel)>>;
+        return force(kernel, physics, neighbors, mirror, bodies, no_slip, of.implicit_viscosity);
     });
 }
 

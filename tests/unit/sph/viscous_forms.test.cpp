@@ -183,5 +183,7 @@ TEST_CASE("a wave under a free surface is damped by 2 nu k^2 in the strain form 
     }
     const double rate = -power / energy / (8 * mu / 1000 * k * k);   // all energy is kinetic here
     INFO("dissipation over the exact one " << rate);
-    CHECK(rate == Approx(form == ViscousForm::strain ? 1.0 : 0.5).epsilon(0.05));
+    // pairs cut by the surface are missing, 0.3 h of depth: 2 k 0.3 h = 6 % of what falls as exp(-2 k z)
+    CHECK(rate == Approx((form == ViscousForm::strain ? 1.0 : 0.5) * (1 - 0.6 * k * 1.5 * dx))
+                      .epsilon(0.02));
 }
