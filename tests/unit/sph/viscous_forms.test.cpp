@@ -12,7 +12,7 @@ using namespace undertow::sph;
 
 namespace {
 
-constexpr double dx = 0.01, mu = 3;   // [m], [Pa s]
+constexpr double dx = 0.01, mu = 3;  // [m], [Pa s]
 
 Case viscous_box(int dimension, ViscousForm form, double h_over_dx) {
     Case input = scenes::water_box(dx, {0.15, 0.15, 0.15}, dimension);
@@ -92,10 +92,11 @@ TEST_CASE("on a lattice both forms have the viscosity of shear along the axes an
     CHECK(across.particles.ax[j] == Approx(std::sqrt(2.0) * nu).epsilon(1e-3));
 }
 
-TEST_CASE("the strain form leaves turning alone and conserves angular momentum, the laplacian does not") {
+TEST_CASE(
+    "the strain form leaves turning alone and conserves angular momentum, the laplacian does not") {
     const ViscousForm form = GENERATE(ViscousForm::laplacian, ViscousForm::strain);
     const Case input = viscous_box(2, form, 1.5);
-    const auto torque = [](const FluidSystem& fluid) {   // and the sum of what enters it
+    const auto torque = [](const FluidSystem& fluid) {  // and the sum of what enters it
         const Particles& p = fluid.particles;
         double sum = 0, size = 0;
         for (std::size_t i = 0; i < p.size(); ++i) {
@@ -105,16 +106,26 @@ TEST_CASE("the strain form leaves turning alone and conserves angular momentum, 
         }
         return std::pair{sum, size};
     };
-    const FluidSystem turning = moved(input, [](double x, double z) { return std::pair{-z, x}; }, 0.2);
+    const FluidSystem turning = moved(
+        input,
+        [](double x, double z) {
+            return std::pair{-z, x};
+        },
+        0.2);
     const FluidSystem anyhow = moved(
-        input, [](double x, double z) { return std::pair{std::sin(40 * z), x * z * 50}; }, 0.2);
+        input,
+        [](double x, double z) {
+            return std::pair{std::sin(40 * z), x * z * 50};
+        },
+        0.2);
     double turned = 0;
     for (std::size_t i = 0; i < turning.particles.size(); ++i)
-        turned = std::max(turned, double(std::hypot(turning.particles.ax[i], turning.particles.az[i])));
+        turned =
+            std::max(turned, double(std::hypot(turning.particles.ax[i], turning.particles.az[i])));
     const auto [sum, size] = torque(anyhow);
     INFO("rotation's largest acceleration " << turned << ", torque " << sum / size);
     if (form == ViscousForm::strain) {
-        CHECK(turned < 1e-5);   // [m/s2] float32 of 1/s dx over 1e-2 m; laplacian: nu w/dx = 0.3
+        CHECK(turned < 1e-5);  // [m/s2] float32 of 1/s dx over 1e-2 m; laplacian: nu w/dx = 0.3
         CHECK(std::abs(sum) < 1e-5 * size);
     } else {
         CHECK(turned > 0.01);
@@ -124,16 +135,17 @@ TEST_CASE("the strain form leaves turning alone and conserves angular momentum, 
 
 TEST_CASE("the fast sums of the strain form agree with the reference, whatever the fluids") {
     const int dimension = GENERATE(2, 3);
-    const int kind = GENERATE(0, 1, 2, 3);   // one fluid, two, with a viscoplastic one, of two sizes
-    Case input = kind == 0 ? viscous_box(dimension, ViscousForm::strain, 1.2)
-                           : scenes::two_layers(0.01, {0.12, 0.1, 0.11}, 0.05, kind >= 2, dimension);
+    const int kind = GENERATE(0, 1, 2, 3);  // one fluid, two, with a viscoplastic one, of two sizes
+    Case input = kind == 0
+                     ? viscous_box(dimension, ViscousForm::strain, 1.2)
+                     : scenes::two_layers(0.01, {0.12, 0.1, 0.11}, 0.05, kind >= 2, dimension);
     if (kind == 3) input.sph.variable_smoothing = true;
     input.sph.viscous_form = ViscousForm::strain;
     input.sph.viscosity_solver = ViscositySolver::explicit_sums;
     FluidSystem fluid(input, 0.2);
     scenes::disturb(fluid, 0.15, 1, 2000);
     fluid.refresh_neighbors(0);
-    for (int k = 0; k < 2; ++k) {   // viscosities that differ
+    for (int k = 0; k < 2; ++k) {  // viscosities that differ
         fluid.pack(0);
         fluid.sum_over_neighbors(Terms::both);
     }
@@ -147,7 +159,7 @@ TEST_CASE("the fast sums of the strain form agree with the reference, whatever t
         momentum += m * p.ax[i], sizes += m * std::abs(p.ax[i]);
     }
     INFO("kind " << kind << ", error " << error / largest << ", momentum " << momentum / sizes);
-    CHECK(error < 2e-4 * largest);            // 14-bit reciprocals
+    CHECK(error < 2e-4 * largest);  // 14-bit reciprocals
     CHECK(std::abs(momentum) < 2e-6 * sizes);
 }
 
@@ -176,14 +188,16 @@ TEST_CASE("a wave under a free surface is damped by 2 nu k^2 in the strain form 
     fluid.refresh_neighbors(0);
     fluid.pack(0);
     fluid.sum_over_neighbors(Terms::force);
-    double power = 0, energy = 0;   // per mass
+    double power = 0, energy = 0;  // per mass
     for (std::size_t i = 0; i < p.size(); ++i) {
         power += p.vx[i] * p.ax[i] + p.vz[i] * p.az[i];
         energy += 0.5 * (p.vx[i] * p.vx[i] + p.vz[i] * p.vz[i]);
     }
-    const double rate = -power / energy / (8 * mu / 1000 * k * k);   // all energy is kinetic here
+    const double rate = -power / energy / (8 * mu / 1000 * k * k);  // all energy is kinetic here
     INFO("dissipation over the exact one " << rate);
-    // pairs cut by the surface are missing, 0.3 h of depth: 2 k 0.3 h = 6 % of what falls as exp(-2 k z)
-    CHECK(rate == Approx((form == ViscousForm::strain ? 1.0 : 0.5) * (1 - 0.6 * k * 1.5 * dx))
-                      .epsilon(0.02));
+    // pairs cut by the surface are missing, 0.3 h of depth: 2 k 0.3 h = 6 % of what falls as exp(-2
+    // k z)
+    CHECK(
+        rate ==
+        Approx((form == ViscousForm::strain ? 1.0 : 0.5) * (1 - 0.6 * k * 1.5 * dx)).epsilon(0.02));
 }
