@@ -190,7 +190,8 @@ struct SphSettings {
     ViscositySolver viscosity_solver = ViscositySolver::automatic;   // "auto", "explicit", "implicit"
     double viscosity_tolerance = 1e-3;   // implicit: unbalanced acceleration over the mean one
     ViscousForm viscous_form = ViscousForm::laplacian;   // "laplacian": div(mu grad v), "strain":
-                                         // div(2 mu D), which lets a stiff body turn
+                                         // div(2 mu D), which lets a body turn and a free surface slip;
+                                         // explicit viscous steps are half as long
     // negative pressure: "spray" takes it from spray (momentum to round-off), "switched" also pushes
     // particles inside the fluid by pressure differences, "none" lets all clump
     TensionControl tension_control = TensionControl::spray;

@@ -130,7 +130,7 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
     for (std::size_t k = 0; k < extras_.size(); ++k) extras_[k] = unsorted_extras_[order_[k]];
 
     records_.resize(fluid_count_ + extras_.size());
-    if (!particles.viscosity.empty()) viscosity_.resize(records_.size());
+    if (!particles.viscosity.empty()) root_viscosity_.resize(records_.size());
     const auto pack = [&](Packed& q, double x, double y, double z) {
         q.x = fixed_(x, fixed_.x0), q.y = fixed_(y, fixed_.y0), q.z = fixed_(z, fixed_.z0);
     };

@@ -7,7 +7,7 @@ from ..errors import CHECKS_FAILED, DONE, RunFailed, UserError
 from ..paths import RESULTS, shown
 from ..results_folder import describe_run, write_json
 from ..table import console
-from .ladder import folder_of, known_verifications, ladder_of, run_rung, solver_of
+from .ladder import folder_of, known_verifications, ladder_of, named, run_rung, solver_of
 from .order import orders_of, row_names, unknown_rows
 
 
@@ -23,7 +23,8 @@ def verify(arguments):
             say(f"{name:24} {case['case']['title']} ({', '.join(case['report'].get('ladder', []))})")
         return DONE
     good = True
-    for target in arguments.names or (known_verifications() if not arguments.docs else []):
+    names = [name for target in arguments.names for name in named(target)]
+    for target in names or (known_verifications() if not arguments.docs else []):
         folder = folder_of(target)
         good &= verify_one(folder, arguments, root)
     if arguments.docs:
@@ -93,7 +94,7 @@ def verify_one(folder, arguments, root):
 
 def add_command(commands, positive):
     sub = commands.add_parser("verify", help="exact solutions: error and cost of one solver alone, over resolutions")
-    sub.add_argument("names", nargs="*", metavar="NAME", help="folders of cases/verify_sph and cases/verify_fem, or other folders; default: all")
+    sub.add_argument("names", nargs="*", metavar="NAME", help="folders of cases/verify_sph and cases/verify_fem, or other folders; `channel` stands for all channel_*; default: all")
     sub.add_argument("--list", action="store_true", help="name them and end")
     sub.add_argument("--quick", action="store_true", help="without the finest level, variants and pictures")
     sub.add_argument("--long", action="store_true", help="the levels that [report] lists as long as well")

@@ -47,6 +47,13 @@ def folder_of(target):
     raise UserError(f"{target} is no verification: known are {', '.join(known)}; or give a folder that holds case.toml.")
 
 
+def named(target):
+    """Targets that a name stands for: itself, or all verifications of that family, channel for channel_newton, ..."""
+    known = known_verifications()
+    family = [name for name in known if name.startswith(target + "_")]
+    return [target] if target in known or not family else family
+
+
 def ladder_of(folder, quick, long):
     """Rungs to run: the resolutions of [report] ladder, then one modeling choice at a time."""
     settings = resolve(folder, [])["report"]
