@@ -111,7 +111,7 @@ def fem_mesh(case):
     n = block["divisions"]
     lengths = [(block["box"]["max"][k] - block["box"]["min"][k]) / n[k] for k in range(3)]
     facets = {"x": n[1] * n[2], "y": n[0] * n[2], "z": n[0] * n[1]}
-    in_six = block["cells"] == "tetrahedra"     # whose heights are about half a cell's edge
+    in_six = block.get("cells") == "tetrahedra"     # whose heights are about half a cell's edge
     return (min(lengths) * (0.5 if in_six else 1), math.prod(n) * (6 if in_six else 1),
             sum(facets[s["set"][0]] for s in case["fem"]["surface"]) * (2 if in_six else 1))
 
@@ -171,7 +171,7 @@ def estimate(case, threads):
     work_s.append(result["particles"] * steps / (PARTICLE_STEPS_PER_S * threads))
     # The FEM solver has one thread beside the particle solver's, and computes at the same time
     # only if a core is free.
-    eight_points = case["fem"] and any(part["element"] == "b_bar" for part in case["fem"]["part"])
+    eight_points = case["fem"] and any(part.get("element") == "b_bar" for part in case["fem"]["part"])
     work_s.append(result["elements"] * steps / (BBAR_STEPS_PER_S if eight_points else ELEMENT_STEPS_PER_S))
     if case["coupled"]:
         work_s.append(steps * SECONDS_PER_COUPLED_STEP)

@@ -21,7 +21,7 @@ def element_length(case):
     block = case["fem"]["block"]
     if block is None:
         return float(case["report"]["lengths"][case["level"]])
-    corners = np.array(block["corners"], dtype=float)
+    corners = np.array(block.get("corners") or [], dtype=float)
     if len(corners) == 0:
         extent = np.array(block["box"]["max"], dtype=float) - block["box"]["min"]
     else:       # mean length of the four edges along each direction
