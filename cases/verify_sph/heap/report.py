@@ -35,24 +35,22 @@ def rest_front(volume, Y, front_height):
     return 0.5 * (low + high)
 
 
-def heights(run, step, at):
-    """Height [m] of the columns two spacings wide around `at`: their particles' volume over their width. A particle
-    counts by the share of its spacing that lies in the column."""
+def heights(run, step, at, width):
+    """Height [m] of the columns of this width around `at`: their particles' volume over it. A particle counts by the
+    share of its spacing that lies in the column, and so does its image beyond the plane of symmetry."""
     x, density = run.fields.read(step, "density")
     volume = run.masses(step, len(x)) / density / run.case["case"]["thickness"]
-    dx = run.dx
     found = np.empty(len(at))
     for k, middle in enumerate(at):
-        # beside the middle plane the images' share is what is mirrored
-        share = sum(np.clip((1.5 * dx - np.abs(side * x[:, 0] - middle)) / dx, 0, 1) for side in (1, -1))
-        found[k] = np.sum(volume * share) / (2 * dx)
+        share = sum(np.clip((0.5 * (width + run.dx) - np.abs(side * x[:, 0] - middle)) / run.dx, 0, 1) for side in (1, -1))
+        found[k] = np.sum(volume * share) / width
     return found
 
 
 def runout(run, step, Y):
     """Where the height falls through half of the front's, pi Y/4 [m]."""
     at = np.arange(0, run.fields.read(step)[0][:, 0].max() + 4 * run.dx, 0.25 * run.dx)
-    h, wanted = heights(run, step, at), np.pi * Y / 4
+    h, wanted = heights(run, step, at, Y), np.pi * Y / 4
     k = np.flatnonzero(h >= wanted)[-1]
     return float(at[k] + (at[k + 1] - at[k]) * (h[k] - wanted) / (h[k] - h[k + 1]))
 
@@ -66,9 +64,11 @@ def report(results_dir, case, summary):
     found = runout(run, last, Y)
     run.compare("runout", found, front, "m")
     run.compare("runout, against leading order", found, rest_front(volume, Y, 0), "m")
-    run.compare("height in the middle", heights(run, last, [0.0])[0], rest_profile(0.0, front, Y, front_height), "m")
-    at = np.linspace(INNER[0] * front, INNER[1] * front, 60)
-    exact, h = rest_profile(at, front, Y, front_height), heights(run, last, at)
+    middle = np.linspace(0, 2 * Y, 50)
+    run.compare("height of the middle, 2 Y wide", heights(run, last, [0.0], 4 * Y)[0],
+                np.mean(rest_profile(middle, front, Y, front_height)), "m")
+    at = np.linspace(INNER[0] * front, INNER[1] * front, 30)
+    exact, h = rest_profile(at, front, Y, front_height), heights(run, last, at, Y)
     run.residual("profile, rms over rms", np.sqrt(np.mean((h - exact) ** 2) / np.mean(exact**2)))
     before = run.fields.nearest(0.75 * run.times[-1])
     run.residual("runout, change in the last quarter", found / runout(run, before, Y) - 1)
