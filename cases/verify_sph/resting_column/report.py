@@ -40,6 +40,7 @@ def report(results_dir, case, summary):
     run.residual("speed, rms of the second half", max(rms) / speed)
     center = [float(np.mean(run.at(t)[0][:, 2])) for t in run.times]
     run.residual("center of mass, drift", (center[-1] - center[0]) / height)
+    run.residual("center of mass, drift of the second half", (center[-1] - center[run.fields.nearest(0.5 * run.times[-1])]) / height)
     for steps in SOAKED if summary["steps"] >= 0.99 * SOAKED[-1] else ():
         soaked(run, steps, steps * summary["dt_mean"], pressure, speed, center)
     return run.rows
