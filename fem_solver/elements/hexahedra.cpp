@@ -33,6 +33,7 @@ Hexahedra::Hexahedra(const Mesh& mesh, const std::vector<Part>& parts,
     color_chunks(mesh.x.size());
     parts_ = parts;
     for (Part& part : parts_) part.elements = {};
+    omega2_start_ = largest_omega2(WhichParts::with_explicit_step);
     if (std::any_of(parts.begin(), parts.end(),
                     [](const Part& p) { return is_plastic(p.material); }))
         plastic_strain_.resize(batch_.size(), Lanes{});
@@ -92,8 +93,32 @@ void Hexahedra::build_constants(const Mesh& mesh) {
                 constants.axis_weight[k][l] = 1 / squared;
             }
             omega2_[b][l] = omega2;
-            omega2_start_ = std::max(omega2_start_, omega2);
         }
+}
+
+bool Hexahedra::is_among(std::size_t batch, WhichParts which) const {
+    return which == WhichParts::all ||
+           parts_[batch_[batch].part].implicit == (which == WhichParts::with_implicit_step);
+}
+
+double Hexahedra::largest_omega2(WhichParts which) const {
+    double largest = 0;
+    for (std::size_t b = 0; b < batch_.size(); ++b)
+        if (is_among(b, which)) largest = std::max(largest, largest_lane(omega2_[b]));
+    return largest;
+}
+
+double Hexahedra::largest_stress_stiffness(WhichParts which) const {
+    double largest2 = 0;
+    for (std::size_t b = 0; b < batch_.size(); ++b) {
+        if (!is_among(b, which)) continue;
+        const Symmetric<Lanes>& s = state_[b].stress;
+        const double modulus = law_[batch_[b].part].lambda + 2 * law_[batch_[b].part].mu;
+        const Lanes norm2 = (s.xx * s.xx + s.yy * s.yy + s.zz * s.zz) +
+                            2.0 * (s.xy * s.xy + s.yz * s.yz + s.zx * s.zx);
+        largest2 = std::max(largest2, largest_lane(norm2) / (modulus * modulus));
+    }
+    return std::sqrt(largest2);
 }
 
 void Hexahedra::color_chunks(std::size_t n_nodes) {
@@ -160,9 +185,14 @@ void Hexahedra::accept_shape() {
 
 std::size_t Hexahedra::stiffest() const {
     std::size_t best = 0;
-    for (std::size_t slot = 1; slot < element_at_.size(); ++slot)
-        if (omega2_[slot / n_lanes][slot % n_lanes] > omega2_[best / n_lanes][best % n_lanes])
+    double largest = 0;
+    for (std::size_t slot = 0; slot < element_at_.size(); ++slot) {
+        const double omega2 = omega2_[slot / n_lanes][slot % n_lanes];
+        if (omega2 > largest && is_among(slot / n_lanes, WhichParts::with_explicit_step)) {
             best = slot;
+            largest = omega2;
+        }
+    }
     return element_at_[best];
 }
 

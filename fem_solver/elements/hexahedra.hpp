@@ -25,7 +25,11 @@ struct Part {
     double density = 0;                  // [kg/m3]
     Material material;
     std::optional<double> weight_density{};  // [kg/m3] that gravity acts on; none = density
+    bool implicit = false;  // limits no step, see fem_solver/implicit
 };
+
+/// By how their elements are stepped.
+enum class WhichParts { all, with_explicit_step, with_implicit_step };
 
 struct BulkViscosity {
     double linear = 0.06;    // b1: damps the ringing of the highest modes
@@ -35,8 +39,8 @@ struct BulkViscosity {
 /// One step of all elements, reduced.
 struct ElementsReport {
     double strain_work = 0, hourglass_work = 0, viscous_work = 0;  // [J] of the step
-    double omega2 = 0;           // [1/s2] largest eigenvalue bound
-    double stiffening = 0;       // largest omega2 against the element's own reference
+    double omega2 = 0;           // [1/s2] largest eigenvalue bound, of explicit parts
+    double stiffening = 0;       // of them: largest omega2 against the element's own reference
     double relative_volume = 1;  // smallest V/V0
     double compression = 0;      // largest Mach number at which an element closes
     double plastic_work = 0;     // [J] of the step, a part of strain_work
@@ -63,17 +67,26 @@ class Hexahedra {
     ElementsReport step(Nodes& nodes, double dt, int threads);
 
     /// f -= K u of the stress-free material in the present shape, for the largest frequency.
-    void subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const;
+    void subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f,
+                                 WhichParts which = WhichParts::with_explicit_step) const;
+
+    /// [1/s2] largest eigenvalue bound of such elements in the last step (or at the start).
+    double largest_omega2(WhichParts which) const;
+    /// Largest |stress|/(lambda + 2 mu) of such elements: by this share of its bound tension
+    /// stiffens an element.
+    double largest_stress_stiffness(WhichParts which) const;
 
     /// Makes the present eigenvalue bounds the reference of `stiffening`.
     void accept_shape();
 
-    /// Element whose eigenvalue bound was the largest in the last step (or at the start).
+    /// Element of an explicit part whose eigenvalue bound was the largest in the last step (or at
+    /// the start).
     std::size_t stiffest() const;
     /// Element with the smallest V/V0 in the shape of `nodes`.
     std::size_t most_compressed(const Nodes& nodes) const;
 
-    double omega2_start() const { return omega2_start_; }  // [1/s2] largest bound at the start
+    /// [1/s2] largest bound at the start, of explicit parts.
+    double omega2_start() const { return omega2_start_; }
     const std::string& part_name(std::size_t element) const;
     double largest_wave_speed() const;  // [m/s] of any part
 
@@ -101,6 +114,7 @@ class Hexahedra {
     void build_batches(const Mesh& mesh, const std::vector<Part>& parts);
     void build_constants(const Mesh& mesh);
     void color_chunks(std::size_t n_nodes);
+    bool is_among(std::size_t batch, WhichParts which) const;
 
     std::vector<Part> parts_;  // without their element lists
     std::vector<HexahedronLaw> law_;

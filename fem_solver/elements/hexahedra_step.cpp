@@ -80,6 +80,7 @@ ElementsReport Hexahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double dt
             plastic_strain_[b] += report.plastic_strain;
         }
     }
+    if (parts_[batch_[chunk.begin].part].implicit) sum.omega2 = sum.stiffening = Lanes{};
     return {sum_lanes(sum.strain_work),    sum_lanes(sum.hourglass_work),
             sum_lanes(sum.viscous_work),   largest_lane(sum.omega2),
             largest_lane(sum.stiffening),  smallest_lane(sum.relative_volume),
@@ -120,8 +121,9 @@ ElementsReport Hexahedra::step(Nodes& nodes, double dt, int threads) {
 }
 
 void Hexahedra::subtract_tangent_forces(const NodeRows& x_rows, const NodeRows& u,
-                                        NodeRows& f_rows) const {
+                                        NodeRows& f_rows, WhichParts which) const {
     for (std::size_t b = 0; b < batch_.size(); ++b) {
+        if (!is_among(b, which)) continue;
         const Batch& batch = batch_[b];
         HexahedronLaw law = law_[batch.part];
         law.bulk_viscosity_linear = law.bulk_viscosity_quadratic = 0;

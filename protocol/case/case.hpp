@@ -239,6 +239,8 @@ struct FemMaterial {                     // [[fem.material]]
 struct FemPart {                         // [[fem.part]]
     std::string set;                     // volume set of the mesh ($PhysicalNames)
     std::string material;
+    bool implicit = false;               // linearly implicit: does not limit the step; for stiff parts
+                                         // that stay elastic (docs/theory_fem.md, section 13)
 };
 
 struct FemSupport {                      // [[fem.support]]
@@ -318,6 +320,8 @@ struct FemSettings {
     double damping_alpha = 0;            // [1/s] Rayleigh, mass-proportional
     double bulk_viscosity_linear = 0.06;
     double bulk_viscosity_quadratic = 1.2;
+    double implicit_damping = 0.005;     // of implicit parts: damping ratio of a mode over half of
+                                         // omega dt; keeps a varying step from exciting fast modes
     std::vector<FemMaterial> material;
     std::vector<FemPart> part;
     std::vector<FemSupport> support;

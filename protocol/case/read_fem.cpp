@@ -149,6 +149,7 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
     reader.number("damping_alpha", fem.damping_alpha, at_least(0, "1/s"));
     reader.number("bulk_viscosity_linear", fem.bulk_viscosity_linear, at_least(0));
     reader.number("bulk_viscosity_quadratic", fem.bulk_viscosity_quadratic, at_least(0));
+    reader.number("implicit_damping", fem.implicit_damping, closed(0, 1));
 
     reader.tables("material",
                   [&](TableReader& entry) { read_material(entry, fem.material.emplace_back()); });
@@ -159,6 +160,12 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         read_set(entry, part.set, fem, {"block"});
         entry.require("material", "the name of a [[fem.material]]");
         entry.word("material", part.material, materials);
+        entry.flag("implicit", part.implicit);
+        for (const FemMaterial& material : fem.material)
+            if (part.implicit && material.name == part.material &&
+                material.kind != MaterialKind::linear_elastic)
+                entry.reject("implicit",
+                             "needs a material that stays elastic: kind = \"linear_elastic\".");
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();

@@ -91,6 +91,8 @@ const Mistake mistakes[] = {
      "case.toml:30:7: fem.surface.top.set = \"top\" is not known: allowed are xmin, xmax"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 0]",
      "case.toml:19:13: fem.block.divisions = [4, 4, 0] is not allowed"},
+    {"material = \"steel\"", "material = \"steel\"\nimplicit = 1",
+     "case.toml:28:12: fem.part.0.implicit = 1 is an integer: true or false is expected."},
     {"[fem.block]", "[fem]\nmesh = \"a.msh\"\n[fem.block]",
      "case.toml:18:8: fem.mesh = \"a.msh\" is one mesh too many"},
     {"[[fem.surface]]\nname = \"top\"\nset = \"zmax\"", "",
@@ -141,6 +143,15 @@ TEST_CASE("a name may be given once only") {
     CHECK(mistake(twice) ==
           "case.toml:34:8: sph.plane.floor.name = \"floor\" is taken: every [[sph.plane]] needs a "
           "name of its own.");
+}
+
+TEST_CASE("an implicit part has a material that stays elastic") {
+    const std::string text = with(plate, "material = \"steel\"", "material = \"steel\"\nimplicit = true");
+    CHECK(mistake(text).empty());
+    CHECK(mistake(with(text, "poisson_ratio = 0.3",
+                       "poisson_ratio = 0.3\nkind = \"tresca\"\nshear_strength = 1e4")) ==
+          "case.toml:30:12: fem.part.0.implicit = true needs a material that stays elastic: kind = "
+          "\"linear_elastic\".");
 }
 
 TEST_CASE("a mesh file must exist beside the case") {
