@@ -92,6 +92,12 @@ TEST_CASE("the assembled stiffness is what the elements answer, in any shape") {
     for (double& v : b) v = random();
     std::vector<double> a = b;
     factor.solve(a);
+    const std::vector<double> again = [&] {
+        std::vector<double> c = b;
+        factor.solve(c);
+        return c;
+    }();
+    CHECK(a == again);
     k.multiply(a, sum);
     for (std::size_t i = 0; i < b.size(); ++i)
         CHECK(mass[i / 3] * a[i] + kappa * sum[i] == Approx(b[i]).margin(1e-11));
@@ -173,7 +179,7 @@ TEST_CASE("energy of a beam under a pressure pulse closes over 10,000 implicit s
     if (!damped) c.fem.implicit_damping = 0;
     c.info.gravity = {0, 0, -9.81};
     c.fem.support = {{"xmin", {"x", "y", "z"}}};
-    c.fem.pressure = {{"zmax", 2e4, 0.005}};  // bends it by a third of its depth
+    c.fem.pressure = {{"zmax", 2e3, 0.005}};  // bends it by half a degree
     if (damped) {
         c.fem.damping_alpha = 10;
         c.fem.bulk_viscosity_linear = 0.06;
