@@ -118,18 +118,20 @@ TEST_CASE("a mode moves with the frequency that the scheme's theory gives it, at
     c.fem.implicit_damping = 0;
     c.fem.support = {{"xmin", {"x"}}, {"block", {"y", "z"}}};
     Structure s(build_model(c), 1);
-    for (std::size_t n = 0; n < s.nodes().size(); ++n)
-        s.nodes().v[n].c[0] = 1e-9 * omega * std::sin(wave * s.nodes().x0[n].c[0]);
-    const std::int32_t tip = std::int32_t(s.nodes().size()) - 1;
-
     const double phi = 2 * std::asin(0.5 * z / std::sqrt(1 + 0.25 * (1 + margin) * z * z));
-    const double amplitude = 1e-9 * z * std::sin(wave) / std::sin(phi);
+    const double amplitude = 1e-8, tip_share = std::sin(wave);
+    for (std::size_t n = 0; n < s.nodes().size(); ++n)
+        s.nodes().v[n].c[0] =
+            amplitude * std::sin(phi) / dt * std::sin(wave * s.nodes().x0[n].c[0]);
+    const std::int32_t tip = std::int32_t(s.nodes().size()) - 1;
     double worst = 0;
     march(s, dt, 200, [&](int n) {
-        worst = std::max(worst, std::abs(s.displacement(tip)[0] - amplitude * std::sin(n * phi)));
+        worst = std::max(
+            worst, std::abs(s.displacement(tip)[0] - amplitude * tip_share * std::sin(n * phi)));
     });
     INFO("mode " << k << ", omega dt " << z << ", error over amplitude " << worst / amplitude);
-    CHECK(worst < 1e-6 * std::abs(amplitude));  // round-off of positions and strains
+    // what finite strain adds: it falls with the amplitude, down to round-off at 1e-10 m
+    CHECK(worst < 1e-5 * amplitude);
     CHECK(s.implicit()->factorizations() == 1);
     CHECK(dt > (z > 1 && k == 1 ? 10 : 0) * explicit_step(c));
 }
