@@ -47,7 +47,7 @@ void log_start(const Structure& structure, const MeshQuality& quality) {
                           pair.set().surface.size(), pair.softest()));
     if (const ImplicitParts* implicit = structure.implicit())
         log_info(sentence("implicit parts: %zu unknowns; explicit, their elements' bound would be "
-                          "%.4g s. A mode omega moves slower by (omega dt)^2/11",
+                          "%.4g s. A mode omega moves slower by (omega dt)^2/9",
                           implicit->unknowns(), implicit->explicit_step()));
     if (structure.omega_bound() == 0) return;
     const std::size_t stiffest = structure.elements().stiffest();

@@ -9,10 +9,11 @@
 namespace undertow::fem {
 namespace {
 
-// 4 kappa/dt^2 - 1 at the largest step a factor serves. It bears the stiffening of compressed
-// elements, the lagged bulk viscosity (xi^2 of it) and turns of the elements since the assembly; it
-// slows a mode by another (omega dt)^2/160.
-constexpr double margin = 0.05;
+// 4 kappa'/dt^2 - 1 at the largest step a factor serves. It keeps the fastest modes off the Nyquist
+// frequency, where every small change of K pumps energy into them (as cfl = 0.9 does for explicit
+// elements), and bears turns of the elements since the assembly, their stiffening under compression
+// and the lagged bulk viscosity (xi^2 of it). It slows a mode by another (omega dt)^2/32.
+constexpr double margin = 0.25;
 constexpr int kicks_between_looks = 8;
 // A step that outgrows its factor will do so again: room for that. A first factor has none, so that
 // a run at a constant step pays nothing for it.
