@@ -281,8 +281,12 @@ const StableStep& Structure::stable_step() {
     };
     // rigid bodies and implicit parts alone: a number that any other limit undercuts
     stable_.dt = 1e300;
-    if (omega == 0) limit_to(1e9, implicit_ ? "nothing but implicit parts" : "nothing that deforms");
-    else stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
+    if (omega == 0 && implicit_)
+        limit_to(std::min(1e9, model_.max_step), "nothing but implicit parts");
+    else if (omega == 0)
+        limit_to(1e9, "nothing that deforms");
+    else
+        stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
     // the springs of contact are made for the step of the start
     for (const ContactPair& pair : pairs_) stable_.dt = std::min(stable_.dt, pair.largest_step());
     if (omega > 0 && std::abs(report_.omega2 - named_omega2_) > 1e-4 * report_.omega2) {
