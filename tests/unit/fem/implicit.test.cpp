@@ -258,11 +258,12 @@ TEST_CASE("a beam swings freely for a million implicit steps, damped as theory s
     const std::int32_t tip = std::int32_t(s.nodes().size()) - 1;
     double before = 0;
     int first = -1, last = 0, crossings = 0;
-    const int settled = 100000,
-              steps = 1000000;  // the fast modes of the start have died out by then
-    double start = 0, balance = 0, end = 0, worst = 0;
+    // The fast modes of the start have died out when the measurement begins; when it ends, a
+    // constant share of 1e-4 (strains of finite steps) is still small against what is left.
+    const int begin = 100000, measured = 400000, steps = 1000000;
+    double start = 0, balance = 0, later = 0, end = 0, worst = 0;
     march(s, dt, steps, [&](int n) {
-        if (n < settled) return;
+        if (n < begin) return;
         const double u = s.displacement(tip)[2];
         if (before < 0 && u >= 0) {
             (first < 0 ? first : last) = n;
@@ -272,19 +273,22 @@ TEST_CASE("a beam swings freely for a million implicit steps, damped as theory s
         if (n % 1000 != 0 && n != steps - 1) return;
         const Energies e = s.energies();
         end = e.kinetic + e.internal + e.hourglass + e.implicit;
-        if (n == settled) {
+        if (n == begin) {
             start = end;
             balance = e.balance_error();
         }
+        if (n == measured) later = end;
         worst = std::max(worst, std::abs(e.balance_error() - balance));
     });
     const double z = 2 * pi * (crossings - 1) / (last - first);  // omega dt
-    const double decay = c.fem.implicit_damping * z * z * (steps - settled);
-    WARN("free beam, omega dt " << z << ", from step 100,000 to 1,000,000: log of energy falls by "
-                                << std::log(start / end) << ", theory " << decay
-                                << "; balance closes to " << worst / start << "; "
+    const double decay = c.fem.implicit_damping * z * z * (measured - begin);
+    WARN("free beam, omega dt " << z << ", from step 100,000 to 400,000: log of energy falls by "
+                                << std::log(start / later) << ", theory " << decay
+                                << "; after a million, energy over that " << end / later
+                                << ", balance closes to " << worst / start << ", "
                                 << s.implicit()->factorizations() << " factorizations");
-    CHECK(std::log(start / end) == Approx(decay).epsilon(0.02));
+    CHECK(std::log(start / later) == Approx(decay).epsilon(0.01));
+    CHECK(end < 0.05 * later);
     CHECK(worst < 1e-4 * start);
 }
 
