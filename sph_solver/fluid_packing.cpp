@@ -70,7 +70,7 @@ void FluidSystem::pack_fluid() {
     }
     if (s.viscosity.empty()) return;
 #pragma omp for schedule(static)
-    for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = s.viscosity[i];
+    for (int i = 0; i < n; ++i) neighbors_.root_viscosity()[i] = std::sqrt(s.viscosity[i]);
 }
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
@@ -86,7 +86,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
     const bool viscous = !particles.viscosity.empty(), single = physics_.fluids.size() == 1;
     const Packed* fluid_records = neighbors_.records().data();
     Packed* records = neighbors_.records().data() + neighbors_.first_extra();
-    float* viscosity = neighbors_.viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
+    float* root_viscosity =
+        neighbors_.root_viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
     const std::vector<Extra>& extras = neighbors_.extras();
     const int n = static_cast<int>(extras.size());
 #pragma omp for schedule(static)
@@ -95,7 +96,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
         const bool body = extras[e].from_body;
         if (body != of_bodies) continue;
         const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
-        if (viscous) viscosity[e] = body ? bodies.viscosity[s] : particles.viscosity[s];
+        if (viscous)
+            root_viscosity[e] = std::sqrt(body ? bodies.viscosity[s] : particles.viscosity[s]);
         if (sizes_.variable() && !body)
             neighbors_.smoothing()[neighbors_.first_extra() + e] = neighbors_.smoothing()[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];

@@ -50,8 +50,8 @@ ImplicitParts::ImplicitParts(const Model& model, const Hexahedra& elements, cons
       a_(unknowns()),
       scratch_(unknowns()) {
     for (std::int32_t n : stiffness_.matrix().node) mass_.push_back(nodes.mass[n]);
-    omega_elements_ = std::sqrt(elements.largest_omega2(WhichParts::with_implicit_step));
-    stress_stiffness_ = elements.largest_stress_stiffness(WhichParts::with_implicit_step);
+    omega_elements_ = std::sqrt(elements.stiffest().value);
+    stress_stiffness_ = elements.largest_stress_stiffness();
 }
 
 double ImplicitParts::tolerated_change(double dt) const {
@@ -74,8 +74,8 @@ void ImplicitParts::follow(const Hexahedra& elements, const Nodes& nodes, double
     }
     bool new_shape = first;
     if (kicks_++ % kicks_between_looks == 0 && !first) {
-        omega_elements_ = std::sqrt(elements.largest_omega2(WhichParts::with_implicit_step));
-        stress_stiffness_ = elements.largest_stress_stiffness(WhichParts::with_implicit_step);
+        omega_elements_ = std::sqrt(elements.stiffest().value);
+        stress_stiffness_ = elements.largest_stress_stiffness();
         new_shape = shape_.largest_change(nodes.x, bodies_) > tolerated_change(dt);
     }
     if (!new_shape && !new_step) return;
@@ -155,7 +155,6 @@ void ImplicitParts::gather(const NodeRows& rows, std::vector<double>& out) const
         for (int d = 0; d < 3; ++d) out[3 * i + d] = rows[node[i]].c[d];
 }
 
-/// a . K b
 /// out = R K R^T a
 void ImplicitParts::stiffness_times(const std::vector<double>& a, std::vector<double>& out) {
     scratch_ = a;

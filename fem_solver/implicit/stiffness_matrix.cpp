@@ -126,8 +126,7 @@ void StiffnessMatrix::assemble(const Hexahedra& elements, const Nodes& nodes) {
             for (NodeRow& f : force_) f = NodeRow{};
             for (std::size_t j = 0; j < matrix_.rows(); ++j)
                 if (color_[j] == color) displaced_[matrix_.node[j]].c[d] = scale;
-            elements.subtract_tangent_forces(nodes.x, displaced_, force_,
-                                             WhichParts::with_implicit_step);
+            elements.subtract_tangent_forces(nodes.x, displaced_, force_);
             for (std::size_t j = 0; j < matrix_.rows(); ++j)
                 if (color_[j] == color) fill_column(std::int32_t(j), d, nodes, scale);
         }

@@ -34,7 +34,7 @@ class StiffnessMatrix {
     StiffnessMatrix(const Mesh& mesh, const std::vector<std::int32_t>& elements,
                     const Nodes& nodes);
 
-    /// K of the implicit parts in the shape nodes.x. Rows and columns of directions that a support
+    /// K of `elements`, the group of the implicit parts, in the shape nodes.x. Rows and columns of directions that a support
     /// holds are zero.
     void assemble(const Hexahedra& elements, const Nodes& nodes);
 

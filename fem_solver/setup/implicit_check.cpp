@@ -23,8 +23,20 @@ std::vector<int> implicit_part_of(const Model& model) {
     for (std::size_t p = 0; p < model.parts.size(); ++p)
         if (model.parts[p].implicit)
             for (std::int32_t e : model.parts[p].elements)
-                for (std::int32_t n : model.mesh.hexahedra[e]) part_of[n] = int(p);
+                for (std::int32_t n : model.mesh.corners(e)) part_of[n] = int(p);
     return part_of;
+}
+
+void check_elements(const Mesh& mesh, const Part& part) {
+    const bool other = part.element != ElementFormulation::automatic &&
+                       part.element != ElementFormulation::one_point;
+    for (std::int32_t e : part.elements)
+        if (other || mesh.shape_of(e) != ElementShape::hexahedron)
+            throw InputError(name_of(part) +
+                             "is for hexahedra of element = \"one_point\" alone, but the set holds " +
+                             mesh.element_name(e) +
+                             (other ? " of another element" : "") +
+                             "; leave that part explicit.");
 }
 
 void check_neighbors(const Case& c, const Model& model) {
@@ -59,6 +71,7 @@ void check_implicit_parts(const Case& c, const Model& model) {
         if (part.elements.empty())
             throw InputError(name_of(part) +
                              "has no effect: all its elements belong to a rigid body; remove it.");
+        check_elements(model.mesh, part);
         if (is_plastic(part.material))
             throw InputError(name_of(part) +
                              "needs a material that stays elastic, but this one can yield; remove "

@@ -37,6 +37,7 @@ void SurfaceImages::place(std::vector<std::int32_t> quad, std::vector<double> x)
     quad_ = std::move(quad);
     x_ = std::move(x);
     stale_ = true;
+    lift_.resize(expected_);
 }
 
 void SurfaceImages::find_near(const Particles& particles, double range) {
@@ -305,9 +306,10 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     const std::vector<Packed>& records = neighbors.records();
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale() / physics.lattice_moment;
     // of the records: the sums have found the next ones already
-    const std::vector<float>& viscosity = neighbors.viscosity();
-    const bool variable = !viscosity.empty();
+    const std::vector<float>& root_mu = neighbors.root_viscosity();
+    const bool variable = !root_mu.empty();
     const double per_moment = physics.implicit_viscosity ? 0 : 2;
+    const bool strain = physics.explicit_form() == ViscousForm::strain;
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;
@@ -368,10 +370,16 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                      level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
         const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
         const double pair_mu =
-            variable ? harmonic_mean(double(viscosity[a]), double(viscosity[b]))
+            variable ? mean_viscosity(of_a == of_b ? 1.0 : 0.0, double(root_mu[a]), double(root_mu[b]))
                      : mu[of_a][of_b];
-        const double laminar = per_moment * pair_mu * F;
-        const double mean = p.p[a] + p.p[b] + viscous;
+        double laminar = per_moment * pair_mu * F, stress = 0;
+        if (strain) {   // along x_ij', as a pressure
+            stress = -per_moment * pair_mu * approach *
+                     std::max(0.0, physics.strain_weight.near / r2 +
+                                       physics.strain_weight.far * inverse_h * inverse_h);
+            laminar = 0;
+        }
+        const double mean = p.p[a] + p.p[b] + viscous + stress;
         const double gn_a = dot(weight[of_a], n), gn_b = dot(weight[of_b], n);
         const double volumes = i.volume * j.volume;
         // normal: P_i = p_i + p_j - 2 s_j rho0_j g.n, of the image; along the wall their mean, so

@@ -76,9 +76,10 @@ class Neighborhood {
     /// Bit k: the cluster holds fluid k; it or its list (dummies left out) holds fluid k.
     FluidBits held(int cluster) const { return fluids_[cluster].held; }
     FluidBits met(int cluster) const { return fluids_[cluster].met; }
-    /// Viscosity of each record [Pa s], [records]; empty where no fluid is viscoplastic.
-    std::vector<float>& viscosity() { return viscosity_; }
-    const std::vector<float>& viscosity() const { return viscosity_; }
+    /// Root of the viscosity of each record [sqrt(Pa s)], [records]: pairs take means of it. Empty where
+    /// no fluid is viscoplastic.
+    std::vector<float>& root_viscosity() { return root_viscosity_; }
+    const std::vector<float>& root_viscosity() const { return root_viscosity_; }
     /// Smoothing length of each record [m], [records]; empty where all have the same.
     std::vector<float>& smoothing() { return smoothing_; }
     const std::vector<float>& smoothing() const { return smoothing_; }
@@ -109,6 +110,8 @@ class Neighborhood {
     void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_bodies);
     double image_range(const Periodic& periodic) const;   // [m]
     void sort(Particles& particles);
+    template <class T>
+    void reorder(std::vector<T>& array, std::vector<T>& scratch) const;
     void find_smoothing(const Particles& particles, const SmoothingLengths& sizes);
     void find_extras(const Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
 
@@ -121,7 +124,7 @@ class Neighborhood {
     FixedPoint fixed_;
     int fluid_count_ = 0;
     std::vector<Extra> extras_, unsorted_extras_;
-    std::vector<Packed> records_, body_records_;
+    std::vector<Packed> records_;
     std::vector<int> fluid_start_, extra_start_, order_, body_targets_;
     std::vector<std::int64_t> cell_;
     std::vector<double> scratch_;
@@ -134,7 +137,7 @@ class Neighborhood {
     };
     std::vector<ClusterFluids> fluids_;        // [clusters]
     std::vector<FluidBits> record_fluid_;      // one bit, none for a dummy, [records]
-    std::vector<float> viscosity_, scratch_float_;
+    std::vector<float> root_viscosity_, scratch_float_;
     std::vector<float> smoothing_, listed_;    // listed_: as lists were made for [m]
     std::vector<Depth> depth_;
     std::vector<float> gradient_correction_;

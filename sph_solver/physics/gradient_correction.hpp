@@ -18,7 +18,7 @@ void find_gradient_correction(const PairPhysics& physics, Neighborhood& neighbor
 /// M^-1 of a cluster's eight.
 inline Symmetric<float8> correction_of(const Neighborhood& neighbors, int cluster) {
     Symmetric<float8> m;
-    __builtin_memcpy(&m, &neighbors.gradient_correction()[std::size_t(cluster) * 6 * lanes],
+    __builtin_memcpy(static_cast<void*>(&m), &neighbors.gradient_correction()[std::size_t(cluster) * 6 * lanes],
                      sizeof m);
     return m;
 }

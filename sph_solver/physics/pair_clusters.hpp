@@ -46,15 +46,15 @@ struct MixedLanes {
     Meeting<float8> with[FluidTag::most];  // by the fluid of j
 };
 
-/// mu: viscosities of the records, or null where they are constant. tagged: records name their fluids.
-inline void look_up(const Mixture<float>& mixture, const Packed* records, const float* mu,
+/// root_mu: of the records, or null where viscosities are constant. tagged: records name their fluids.
+inline void look_up(const Mixture<float>& mixture, const Packed* records, const float* root_mu,
                     int first, int last, Own<float8>& own, MixedLanes& m, bool tagged = true) {
     m.factors.gradient = mixture.gradient, m.factors.viscous = mixture.viscous;
     for (int k = 0; k < lanes; ++k) {
         const int i = std::min(first + k, last - 1);
         const auto fluid = tagged ? FluidTag::of(records[i]) : 0;
         own.rho0[k] = mixture.rho0[fluid];
-        own.mu[k] = mu ? mu[i] : 0;
+        own.root_mu[k] = root_mu ? root_mu[i] : 0;
         m.factors.diffusive[k] = mixture.diffusive[fluid];
         m.factors.per_mass[k] = mixture.per_mass[fluid];
         for (int b = 0; b < mixture.fluids; ++b) {
@@ -86,10 +86,10 @@ class OwnSize {
 };
 
 /// What an image behind a no-slip plane adds to viscous forces and shear rate, see no_slip_images.hpp.
-template <class KernelLaw, Content content>
+template <class KernelLaw, Content content, ViscousForm form, class Change>
 inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
-                              const NoSlipImages::Change& v, const Packed& j,
-                              const Meeting<float8>* with, float mu_j, PairSums<float8>& sum,
+                              const Change& v, const Packed& j,
+                              const Meeting<float8>* with, float root_mu_j, PairSums<float8>& sum,
                               ShearSums<float8>* shear = nullptr) {
     const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
     const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
@@ -97,9 +97,17 @@ inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
     float8 FV = F;
     if constexpr (content == Content::several)
         FV *= with[FluidTag::of(j)].mu;
+    else if constexpr (variable_viscosity(content) && alone(content))
+        FV *= mean_within(i.own.root_mu, root_mu_j);
     else if constexpr (variable_viscosity(content))
-        FV *= harmonic_mean(i.own.mu, mu_j);
-    sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
+        FV *= mean_viscosity(with[FluidTag::of(j)].same, i.own.root_mu, root_mu_j);
+    if constexpr (form == ViscousForm::strain) {
+        const float8 approach = v.x * dx + v.y * dy + v.z * dz;
+        const float8 FP = FV * approach * positive_part(c.near * reciprocal(r2) + c.far);
+        sum.ax += FP * dx, sum.ay += FP * dy, sum.az += FP * dz;
+    } else {
+        sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
+    }
     if constexpr (finds_shear_rate(content)) {
         const float8 Fx = F * dx, Fy = F * dy, Fz = F * dz;
         shear->vxx -= v.x * Fx, shear->vxy -= v.x * Fy, shear->vxz -= v.x * Fz;
@@ -108,15 +116,15 @@ inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
     }
 }
 
-template <class KernelLaw, Content content>
+template <class KernelLaw, Content content, ViscousForm form>
 inline void add_no_slip(const PairConstants<float>& c, const Lanes& i, const NoSlipImages& no_slip,
                         const Packed* records, int cluster, const Meeting<float8>* with,
-                        const float* mu, PairSums<float8>& sum,
+                        const float* root_mu, PairSums<float8>& sum,
                         ShearSums<float8>* shear = nullptr) {
     constexpr bool variable = variable_viscosity(content);
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
-        add_no_slip_image<KernelLaw, content>(c, i, no_slip.change(at->image), records[at->record],
-                                              with, variable ? mu[at->record] : 0.0f, sum, shear);
+        add_no_slip_image<KernelLaw, content, form>(c, i, no_slip.change(at->image), records[at->record],
+                                              with, variable ? root_mu[at->record] : 0.0f, sum, shear);
 }
 
 /// What the sums of a cluster must contain, from what it holds and meets.

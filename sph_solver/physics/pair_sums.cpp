@@ -46,21 +46,22 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
-template <class KernelLaw, Terms terms, Gradient gradient, Content content = Content::one_fluid>
+template <class KernelLaw, Terms terms, Gradient gradient, ViscousForm form,
+          Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<float>& c,
                              const Factors<float>& k,
                              const Neighborhood& neighbors, const NoSlipImages& no_slip,
                              int cluster, Particles& particles) {
     constexpr bool variable = variable_viscosity(content);
     const Packed* records = neighbors.records().data();
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const float* root_mu = variable ? neighbors.root_viscosity().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     if constexpr (variable)
         for (int lane = 0; lane < lanes; ++lane)
-            i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
+            i.own.root_mu[lane] = root_mu[std::min(first + lane, n - 1)];
     const Meeting<float8>* no_tables = nullptr;
     const PairSize<float8>* no_sizes = nullptr;
     Symmetric<float8> correction;
@@ -71,20 +72,20 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<flo
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content, false, gradient>(c, i.own, dx, dy, dz, j, sum,
-                                                             no_tables, variable ? mu[*at] : 0.0f,
+        add_pair<KernelLaw, terms, content, false, gradient, form>(c, i.own, dx, dy, dz, j, sum,
+                                                             no_tables, variable ? root_mu[*at] : 0.0f,
                                                              &shear, no_sizes, &correction);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, content>(c, i, no_slip, records, cluster, no_tables, mu, sum,
+            add_no_slip<KernelLaw, content, form>(c, i, no_slip, records, cluster, no_tables, root_mu, sum,
                                             &shear);
     store_results<terms>(k, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
         take_shear_rate(physics, neighbors, k.gradient, shear, first, particles);
 }
 
-template <class KernelLaw, Terms terms, Gradient gradient>
+template <class KernelLaw, Terms terms, Gradient gradient, ViscousForm form>
 void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                   const Neighborhood& neighbors, const NoSlipImages& no_slip,
                   Particles& particles) {
@@ -95,23 +96,24 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip, cluster,
+        sum_pure_cluster<KernelLaw, terms, gradient, form>(physics, c, k, neighbors, no_slip, cluster,
                                                      particles);
 }
 
-template <class KernelLaw, Terms terms, Gradient gradient, Content content, bool sized = false>
+template <class KernelLaw, Terms terms, Gradient gradient, ViscousForm form, Content content,
+          bool sized = false>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
                               int cluster, Particles& particles) {
     constexpr bool variable = variable_viscosity(content);
     const Packed* records = neighbors.records().data();
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const float* root_mu = variable ? neighbors.root_viscosity().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     MixedLanes m;
-    look_up(mixture, records, mu, first, n, i.own, m);
+    look_up(mixture, records, root_mu, first, n, i.own, m);
     const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
     Symmetric<float8> correction;
     if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
@@ -122,9 +124,9 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const auto add = [&](const PairSize<float8>* size) __attribute__((always_inline)) {
-            add_pair<KernelLaw, terms, content, sized, gradient>(mixture.constants, i.own, dx, dy, dz, j, sum,
+            add_pair<KernelLaw, terms, content, sized, gradient, form>(mixture.constants, i.own, dx, dy, dz, j, sum,
                                                        &m.with[FluidTag::of(j)],
-                                                       variable ? mu[*at] : 0.0f, &shear, size,
+                                                       variable ? root_mu[*at] : 0.0f, &shear, size,
                                                        &correction);
         };
         if constexpr (sized) {
@@ -136,8 +138,8 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, content>(mixture.constants, i, no_slip, records, cluster, m.with,
-                                            mu, sum, &shear);
+            add_no_slip<KernelLaw, content, form>(mixture.constants, i, no_slip, records, cluster, m.with,
+                                            root_mu, sum, &shear);
     store_results<terms>(m.factors, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
         take_shear_rate(physics, neighbors, mixture.gradient, shear, first, particles);
@@ -145,7 +147,7 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
 /// no other.
-template <class KernelLaw, Terms terms, Gradient gradient>
+template <class KernelLaw, Terms terms, Gradient gradient, ViscousForm form>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
                         ShearRate shear_rate, Particles& particles) {
@@ -154,10 +156,12 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     PairConstants<float> c[FluidTag::most];
     Factors<float> k[FluidTag::most];
     for (std::size_t f = 0; f < physics.fluids.size(); ++f) {
-        c[f] = pair_constants<float>(physics, physics.fluids[f], unit);
+        FluidLaw law = physics.fluids[f];
+        if (law.viscoplastic()) law.mu = 1;   // mu is in the sums
+        c[f] = pair_constants<float>(physics, law, unit);
         k[f] = factors<float>(physics, physics.fluids[f],
                               scale_of(physics, physics.fluids[f], kernel.scale()), unit);
-        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;   // mu is in the sums
+        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;
     }
     const ContentOf content_of(physics, shear_rate);
     const bool sized = physics.sized();
@@ -168,68 +172,69 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         const Content content = content_of(held, met, terms);
         if (sized && (physics.variable_smoothing || content != Content::one_fluid)) {
             if (terms == Terms::rate || !physics.viscoplastic())
-                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, Content::several, true>(
+                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, form, Content::several, true>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
             else if constexpr (terms != Terms::rate)
-                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, Content::sheared, true>(
+                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, form, Content::sheared, true>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
             continue;
         }
         switch (content) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
+                sum_pure_cluster<KernelLaw, terms, gradient, form>(physics, c[f], k[f], neighbors,
                                                              no_slip, cluster, particles);
                 break;
             }
             case Content::one_viscoplastic: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_viscoplastic>(
+                sum_pure_cluster<KernelLaw, terms, gradient, form, Content::one_viscoplastic>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::one_sheared: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_sheared>(
+                sum_pure_cluster<KernelLaw, terms, gradient, form, Content::one_sheared>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::several:
-                sum_mixed_cluster<KernelLaw, terms, gradient, Content::several>(
+                sum_mixed_cluster<KernelLaw, terms, gradient, form, Content::several>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::viscoplastic:
-                sum_mixed_cluster<KernelLaw, terms, gradient, Content::viscoplastic>(
+                sum_mixed_cluster<KernelLaw, terms, gradient, form, Content::viscoplastic>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::sheared:
-                sum_mixed_cluster<KernelLaw, terms, gradient, Content::sheared>(
+                sum_mixed_cluster<KernelLaw, terms, gradient, form, Content::sheared>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
         }
     }
 }
 
-template <Terms terms, Gradient gradient, class KernelLaw>
+template <Terms terms, Gradient gradient, ViscousForm form, class KernelLaw>
 void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
+        sum_mixed_clusters<KernelLaw, terms, gradient, form>(kernel, physics, neighbors, no_slip,
                                                        shear_rate, particles);
     else
-        sum_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip, particles);
+        sum_clusters<KernelLaw, terms, gradient, form>(kernel, physics, neighbors, no_slip, particles);
 }
 
-template <Terms terms, class KernelLaw>
+template <Terms terms, ViscousForm form, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if constexpr (terms != Terms::force)
         if (physics.gradient_correction) {
-            sum_with<terms, Gradient::corrected>(kernel, physics, neighbors, no_slip, shear_rate,
-                                                 particles);
+            sum_with<terms, Gradient::corrected, form>(kernel, physics, neighbors, no_slip,
+                                                       shear_rate, particles);
             return;
         }
-    sum_with<terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+    sum_with<terms, Gradient::plain, form>(kernel, physics, neighbors, no_slip, shear_rate,
+                                           particles);
 }
 
 }  // namespace
@@ -237,13 +242,22 @@ void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighbor
 void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
                         const NoSlipImages& no_slip, Terms terms, Particles& particles,
                         ShearRate shear_rate) {
+    constexpr auto laplacian = ViscousForm::laplacian, strain = ViscousForm::strain;
+    const bool along_pairs = physics.explicit_form() == strain;
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        if (terms == Terms::both)
-            sum_all<Terms::both>(kernel, physics, neighbors, no_slip, shear_rate, particles);
-        else if (terms == Terms::rate)
-            sum_all<Terms::rate>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+        const auto sum = [&]<Terms which, ViscousForm form>() {
+            sum_all<which, form>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+        };
+        if (terms == Terms::rate)
+            sum.template operator()<Terms::rate, laplacian>();
+        else if (terms == Terms::both && along_pairs)
+            sum.template operator()<Terms::both, strain>();
+        else if (terms == Terms::both)
+            sum.template operator()<Terms::both, laplacian>();
+        else if (along_pairs)
+            sum.template operator()<Terms::force, strain>();
         else
-            sum_all<Terms::force>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+            sum.template operator()<Terms::force, laplacian>();
     });
 }
 

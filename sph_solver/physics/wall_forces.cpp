@@ -18,14 +18,34 @@ struct OfWall {
     PairSums<float8> sum;
 };
 
+/// What a dummy shows the implicit update beyond its record's velocity: 2 v_wall - u_i, or u_i itself
+/// where the body lets the fluid slip.  [m/s]
+struct DummyChange {
+    float8 x, y, z;
+
+    DummyChange(const Own<float8>& i, const Packed& j, const Bodies& bodies, int dummy) {
+        const RigidBody& rigid = bodies.body[bodies.owner[dummy]];
+        const Vec3 wall =
+            rigid.pose().velocity_at({bodies.x[dummy], bodies.y[dummy], bodies.z[dummy]});
+        const bool holds = rigid.body().slip == Slip::no_slip;
+        const auto change = [&](double w, float8 own, float shown) {
+            return holds ? static_cast<float>(2 * w) - own - shown : own - shown;
+        };
+        x = change(wall[0], i.vx, j.vx), y = change(wall[1], i.vy, j.vy);
+        z = change(wall[2], i.vz, j.vz);
+    }
+};
+
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
-template <class KernelLaw, Content content, bool sized = false, class OfOwn, class F>
+/// implicit: bodies hold the fluid as in the implicit update, by their dummies.
+template <class KernelLaw, Content content, ViscousForm form, bool sized = false, class OfOwn,
+          class F>
 void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                    const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f,
-                   const OwnSize* own_size = nullptr) {
+                   const Bodies& bodies, PlaneMask planes, bool implicit, std::vector<OfWall>& met,
+                   F&& f, const OwnSize* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const float* root_mu = variable ? neighbors.root_viscosity().data() : nullptr;
     const Packed* records = neighbors.records().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
@@ -38,9 +58,9 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
         while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
         if (m == met.size()) met.push_back({extra.mask, body, {}});
         const auto add = [&](const PairSize<float8>* size) {
-            add_pair<KernelLaw, Terms::force, content, sized>(
+            add_pair<KernelLaw, Terms::force, content, sized, Gradient::plain, form>(
                 c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
-                with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f,
+                with ? with + FluidTag::of(j) : nullptr, variable ? root_mu[*at] : 0.0f,
                 static_cast<ShearSums<float8>*>(nullptr), size);
         };
         if constexpr (sized) {
@@ -49,6 +69,10 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
         } else {
             add(nullptr);
         }
+        if (implicit && body >= 0)
+            add_no_slip_image<KernelLaw, content, form>(
+                c, i, DummyChange(i.own, j, bodies, extra.source), j, with,
+                variable ? root_mu[*at] : 0.0f, met[m].sum);
     }
     for (const OfWall& of : met) {
         const float8 per_rho = i.volume * k.per_mass;
@@ -61,7 +85,7 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
 
 /// Calls f(mask, ax, ay, az) with what the eight feel of images behind no-slip planes beyond that
 /// of free-slip ones: the walls' shear.
-template <class KernelLaw, Content content, class OfOwn, class F>
+template <class KernelLaw, Content content, ViscousForm form, class OfOwn, class F>
 void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
                     const Meeting<float8>* with, const Neighborhood& neighbors,
                     const NoSlipImages& no_slip, int cluster, std::vector<OfWall>& met, F&& f) {
@@ -72,9 +96,9 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
         std::size_t m = 0;
         while (m < met.size() && met[m].mask != mask) ++m;
         if (m == met.size()) met.push_back({mask, -1, {}});
-        add_no_slip_image<KernelLaw, content>(
+        add_no_slip_image<KernelLaw, content, form>(
             c, i, no_slip.change(at->image), neighbors.records()[at->record], with,
-            variable ? neighbors.viscosity()[at->record] : 0.0f, met[m].sum);
+            variable ? neighbors.root_viscosity()[at->record] : 0.0f, met[m].sum);
     }
     for (const OfWall& of : met) {
         const float8 per_rho = i.volume * k.per_mass;
@@ -85,10 +109,11 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
     met.clear();
 }
 
-template <class KernelLaw>
+template <ViscousForm form, class KernelLaw>
 std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
                                  const Neighborhood& neighbors, const MirrorPlanes& mirror,
-                                 const Bodies& bodies, const NoSlipImages& no_slip) {
+                                 const Bodies& bodies, const NoSlipImages& no_slip,
+                                 bool implicit) {
     const double unit = neighbors.fixed().unit;
     const FluidLaw& first_fluid = physics.fluids[0];
     const auto c = pair_constants<float>(physics, first_fluid, unit);
@@ -148,43 +173,43 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 }
             };
             if (!mixed) {
-                for_each_shear<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, no_slip,
+                for_each_shear<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, no_slip,
                                                               cluster, met, add_shear);
-                for_each_wall<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
-                                                             bodies, any_plane, met, add);
+                for_each_wall<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, cluster,
+                                                             bodies, any_plane, implicit, met, add);
                 continue;
             }
             MixedLanes m;
-            look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
-                    i.own, m);
+            look_up(mixture, records, variable ? neighbors.root_viscosity().data() : nullptr, first,
+                    n, i.own, m);
             if (variable)
-                for_each_shear<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                for_each_shear<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
                                                                  m.with, neighbors, no_slip,
                                                                  cluster, met, add_shear);
             else
-                for_each_shear<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                for_each_shear<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
                                                             neighbors, no_slip, cluster, met,
                                                             add_shear);
             if (physics.sized()) {
                 const OwnSize own_size(physics, &neighbors.smoothing(), first, n);
                 if (variable)
-                    for_each_wall<KernelLaw, Content::viscoplastic, true>(
+                    for_each_wall<KernelLaw, Content::viscoplastic, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
-                        any_plane, met, add, &own_size);
+                        any_plane, implicit, met, add, &own_size);
                 else
-                    for_each_wall<KernelLaw, Content::several, true>(
+                    for_each_wall<KernelLaw, Content::several, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
-                        any_plane, met, add, &own_size);
+                        any_plane, implicit, met, add, &own_size);
                 continue;
             }
             if (variable)
-                for_each_wall<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
+                for_each_wall<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
                                                                 m.with, neighbors, cluster, bodies,
-                                                                any_plane, met, add);
+                                                                any_plane, implicit, met, add);
             else
-                for_each_wall<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
+                for_each_wall<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
                                                            neighbors, cluster, bodies, any_plane,
-                                                           met, add);
+                                                           implicit, met, add);
         }
     }
     std::vector<Vec3> force(all, Vec3{});
@@ -196,11 +221,18 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
 
 }  // namespace
 
-std::vector<Vec3> wall_forces(const PairPhysics& physics, const Neighborhood& neighbors,
+std::vector<Vec3> wall_forces(const PairPhysics& of, const Neighborhood& neighbors,
                               const MirrorPlanes& mirror, const Bodies& bodies,
                               const NoSlipImages& no_slip) {
+    // of the velocities that the implicit update of the step before has found
+    PairPhysics physics = of;
+    physics.implicit_viscosity = false;
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        return force_on_walls(kernel, physics, neighbors, mirror, bodies, no_slip);
+        const auto force = physics.explicit_form() == ViscousForm::strain
+                                ? force_on_walls<ViscousForm::strain, std::decay_t<decltype(kernel)>>
+                                : force_on_walls<ViscousForm::laplacian,
+                                                 std::decay_t<decltype(kernel)>>;
+        return force(kernel, physics, neighbors, mirror, bodies, no_slip, of.implicit_viscosity);
     });
 }
 

@@ -5,7 +5,9 @@
 #include <cstdint>
 
 #include "case/case_file.hpp"
+#include "fem_solver/elements/hexahedra.hpp"
 #include "fem_solver/implicit/inertia_factor.hpp"
+#include "fem_solver/setup/block_mesh.hpp"
 #include "support.hpp"
 #include "wire/errors.hpp"
 
@@ -61,7 +63,7 @@ TEST_CASE("the assembled stiffness is what the elements answer, in any shape") {
         x.c[2] = co * b - si * a;
     }
     StiffnessMatrix stiffness(s.model().mesh, s.model().parts[0].elements, nodes);
-    stiffness.assemble(s.elements(), nodes);
+    stiffness.assemble(*s.elements().implicit(), nodes);
     const BlockMatrix& k = stiffness.matrix();
     REQUIRE(k.rows() == 5 * 4 * 5);  // zmin is held
 
@@ -72,7 +74,7 @@ TEST_CASE("the assembled stiffness is what the elements answer, in any shape") {
         for (int d = 0; d < 3; ++d)
             x[3 * i + d] = u[k.node[i]].c[d] =
                 nodes.inverse_mass[k.node[i]].c[d] > 0 ? 1e-20 * random() : 0;
-    s.elements().subtract_tangent_forces(nodes.x, u, f, WhichParts::with_implicit_step);
+    s.elements().implicit()->subtract_tangent_forces(nodes.x, u, f);
     k.multiply(x, y);
     double largest = 0, worst = 0;
     for (std::size_t i = 0; i < k.rows(); ++i)
@@ -298,6 +300,7 @@ TEST_CASE("implicit and explicit parts share nodes: stable at the explicit part'
     c.fem.support = {{"xmin", {"x", "y", "z"}}};
     Model model = build_model(c);
     Part stiff = model.parts[0];
+    model.parts[0].element = GENERATE(ElementFormulation::one_point, ElementFormulation::b_bar);
     stiff.name = "stiff";
     stiff.implicit = true;
     stiff.material = LinearElastic::from_young(1e4 * block.young_modulus, 0.3);
@@ -326,6 +329,46 @@ TEST_CASE("implicit and explicit parts share nodes: stable at the explicit part'
     WARN("a part 10^4 times as stiff, " << dt / s.implicit()->explicit_step()
                                         << " of its own steps in one: energy off by "
                                         << worst / start);
+    CHECK(largest < 1.001 * start);
+    CHECK(worst < 1e-3 * start);
+}
+
+TEST_CASE("an explicit shell on an implicit block: stable at the shell's own limit") {
+    BlockCase block{{1, 0.2, 0.2}, {20, 4, 4}, 1e13, 0.3};
+    Case c = block.settings();
+    c.fem.part[0].implicit = true;
+    c.fem.material.push_back(c.fem.material[0]);
+    c.fem.material[1].name = "skin";
+    c.fem.material[1].young_modulus = 1e9;
+    c.fem.part.push_back({"skin", "skin", ElementFormulation::shell, 0.01});
+    c.fem.support = {{"xmin", {"x", "y", "z"}}};
+    Mesh mesh = make_block(*c.fem.block);
+    for (const Quad& q : mesh.facets_of("zmax", "fem.part")) {
+        mesh.volume_sets["skin"].push_back(std::int32_t(mesh.n_elements()));
+        mesh.shells.push_back(q);
+        mesh.element_tag.push_back(std::int64_t(mesh.n_elements()));
+    }
+    Model model = build_model(c, std::move(mesh));
+    model.cfl = 0.995;
+    Structure s(std::move(model), 1);
+    const double dt = s.stable_step().dt;
+    CHECK_THAT(s.stable_step().limiter, Catch::Matchers::Contains("skin"));
+    CHECK(dt > 50 * s.implicit()->explicit_step());
+    shake(s, 1e-6);
+    double start = 0, balance = 0, largest = 0, worst = 0;
+    march(s, dt, 5000, [&](int n) {
+        const Energies e = s.energies();
+        const double total = e.kinetic + e.internal + e.hourglass + e.implicit;
+        if (n == 0) {
+            start = total;
+            balance = e.balance_error();
+        }
+        largest = std::max(largest, total);
+        worst = std::max(worst, std::abs(e.balance_error() - balance));
+    });
+    WARN("a shell on a block 10^4 times as stiff, " << dt / s.implicit()->explicit_step()
+                                                    << " of its own steps in one: energy off by "
+                                                    << worst / start);
     CHECK(largest < 1.001 * start);
     CHECK(worst < 1e-3 * start);
 }
@@ -470,6 +513,14 @@ TEST_CASE("what implicit parts do not go together with is refused by name") {
     SECTION("a rigid body of all its elements") {
         c.fem.rigid = {{.name = "body", .set = "block"}};
         CHECK_THROWS_WITH(build_model(c), Contains("belong to a rigid body"));
+    }
+    SECTION("8-point hexahedra") {
+        c.fem.part[0].element = ElementFormulation::b_bar;
+        CHECK_THROWS_WITH(build_model(c), Contains("one_point"));
+    }
+    SECTION("tetrahedra") {
+        c.fem.block->cells = BlockCells::tetrahedra;
+        CHECK_THROWS_WITH(build_model(c), Contains("the set holds tetrahedron 1"));
     }
     SECTION("no limit of the step") {
         c.time.max_step = std::numeric_limits<double>::infinity();
