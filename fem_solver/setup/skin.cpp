@@ -17,8 +17,8 @@ Quad Skin::outward(const Quad& quad, const std::string& what) const {
     if (shell_.count(sorted_facet(quad)) > 0 && found == face_.end()) return quad;
     if (found == face_.end())
         throw InputError(source_ + ": " + what +
-                         " is not a face of any solid element, and no shell; mesh surface and volume "
-                         "together.");
+                         " is not a face of any solid element, and no shell; mesh surface and "
+                         "volume together.");
     if (found->second.elements > 1)
         throw InputError(source_ + ": " + what +
                          " lies between two elements; a facet set must lie on the outer skin.");

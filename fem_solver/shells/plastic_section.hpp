@@ -1,8 +1,9 @@
 #pragma once
-// A section of five Lobatto points through the thickness, in plane stress with J2 plasticity.
+// A section of five points through the thickness, in plane stress with J2 plasticity.
 //
-// Lobatto's rule has a point on each face, where yielding begins, and is exact for the elastic
-// section (degree 7).
+// Simpson's rule over both halves: a point on each face, where yielding begins; exact for the
+// elastic section, and for the full plastic moment too, int |z| dz = t^2/4. Lobatto's five points
+// miss that by 9 %, Gauss's by 6 %.
 
 #include "fem_solver/materials/j2.hpp"
 #include "fem_solver/shells/section.hpp"
@@ -11,9 +12,8 @@ namespace undertow::fem {
 
 inline constexpr int n_layers = 5;
 /// Height over half the thickness, and share of the thickness.
-inline constexpr double layer_height[n_layers] = {-1, -0.65465367070797714, 0, 0.65465367070797714,
-                                                  1};  // sqrt(3/7)
-inline constexpr double layer_weight[n_layers] = {0.05, 49.0 / 180, 16.0 / 45, 49.0 / 180, 0.05};
+inline constexpr double layer_height[n_layers] = {-1, -0.5, 0, 0.5, 1};
+inline constexpr double layer_weight[n_layers] = {1.0 / 12, 1.0 / 3, 1.0 / 6, 1.0 / 3, 1.0 / 12};
 
 template <class T>
 struct LayeredState {

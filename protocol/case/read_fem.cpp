@@ -206,7 +206,7 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
             entry.reject("thickness", "has no effect but with element = \"shell\".");
         if (part.element == ElementFormulation::shell && fem.block)
             entry.reject("element",
-                         "= \"shell\" needs quads, but [fem.block] is made of hexahedra; bring the "
+                         "needs quads, but [fem.block] is made of hexahedra; bring the "
                          "shell in a fem.mesh, as a physical surface.");
         entry.flag("implicit", part.implicit);
         for (const FemMaterial& material : fem.material)

@@ -126,7 +126,7 @@ inline double harmonic_mean(double a, double b) {
 // for b and a, so that the forces of a pair stay opposite.
 
 /// Inside one fluid: (a^2 + 4 a b + b^2)/6, Simpson's rule for the mean of mu along the pair where
-/// log mu is linear between the two (the logarithmic mean: 1 % above it at a ratio of 5, 9 % at 100).
+/// log mu is linear between the two (the logarithmic mean: 0.2 % above it at a ratio of 5, 9 % at 100).
 /// The harmonic mean is too low across a steep gradient of mu: channels in docs/theory.md.
 template <class Real, class Other>
 inline Real mean_within(Real a, Other b) {

@@ -323,16 +323,18 @@ TEST_CASE("a coupled shell has two faces half a thickness off, and forces there 
     for (const NodeRow& row : shells_of(s).turning().moment) on_turns += row.c[1];
     CHECK(on_nodes == Approx(force));
     CHECK(on_turns == Approx(moment));
-    // work: what the forces do is what moves and turns
+    // the work of a step is that of the faces: of the nodes' motion and their turn
     const double dt = 1e-6;
     s.kick(dt);
-    const double kinetic = s.kinetic_energy();
+    double work = 0;
+    for (std::size_t i = 0; i < 18; ++i)
+        for (int d = 0; d < 3; ++d) work += 0.5 * dt * f[3 * i + d] * s.surface_velocity(i)[d];
     s.drift(dt);
     s.hold();
     s.contact_forces(std::vector<double>(3 * 18, 0.0));
     s.kick(dt);
-    CHECK(kinetic == 0);  // at n, from rest
-    CHECK(s.energies().contact == Approx(s.kinetic_energy()).epsilon(1e-9));
+    CHECK(work > 0);
+    CHECK(s.energies().contact / work == Approx(1).epsilon(1e-12));
 }
 
 TEST_CASE("a strip of J2 shells that hits its clamp yields, and the energies close") {
