@@ -89,7 +89,7 @@ const Mistake mistakes[] = {
      "\"steel\"?"},
     {"material = \"steel\"", "material = \"steel\"\nelement = \"bbar\"",
      "case.toml:28:11: fem.part.0.element = \"bbar\" is not known: allowed are one_point, b_bar, "
-     "averaged_pressure; did you mean \"b_bar\"?"},
+     "averaged_pressure, shell; did you mean \"b_bar\"?"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 1]\ncells = \"tets\"",
      "case.toml:20:9: fem.block.cells = \"tets\" is not known: allowed are hexahedra, tetrahedra"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 1]\ncorners = [[0, 0, 0]]",
