@@ -11,12 +11,12 @@
 //     4 (M + kappa' K) - dt^2 (K + K_e + K_c) = 4 M - dt^2 (K_e + K_c) + (4 kappa' - dt^2) K > 0
 //
 // kappa' = kappa - c dt/2, K_e the stiffness of explicit elements, K_c that of contact. For
-// 4 kappa' >= dt^2 the implicit parts drop out: explicit elements and contact see the lumped mass M and
-// their ordinary limits, and a node of implicit elements alone leaves contact the whole budget 4. A
-// mode omega moves as if its frequency were omega_s,  sin(omega_s dt/2) = (omega dt/2)/sqrt(1 +
-// kappa' omega^2), slower by kappa' omega^2/2 - (omega dt)^2/24 for small omega dt, with a damping
-// ratio of damping omega dt/2.   [Stern and Grinspun 2009, implicit-explicit variational
-// integrators: there with Newmark's kappa = dt^2/4]
+// 4 kappa' >= dt^2 the implicit parts drop out: explicit elements and contact see the lumped mass M
+// and their ordinary limits, and a node of implicit elements alone leaves contact the whole
+// budget 4. A mode omega moves as if its frequency were omega_s,  sin(omega_s dt/2) = (omega
+// dt/2)/sqrt(1 + kappa' omega^2), slower by kappa' omega^2/2 - (omega dt)^2/24 for small omega dt,
+// with a damping ratio of damping omega dt/2.   [Stern and Grinspun 2009, implicit-explicit
+// variational integrators: there with Newmark's kappa = dt^2/4]
 //
 // Damping: modes far beyond the step all swing at nearly the Nyquist frequency, where a step that
 // varies pumps energy into them, as it does in explicit elements near their limit.
@@ -45,7 +45,8 @@ namespace undertow::fem {
 
 class ImplicitParts {
  public:
-    /// `elements` is the group of the model's implicit parts (at least one). Supports are in `nodes`.
+    /// `elements` is the group of the model's implicit parts (at least one). Supports are in
+    /// `nodes`.
     ImplicitParts(const Model& model, const Hexahedra& elements, const Nodes& nodes);
 
     /// After all forces at n are in: replaces them on free directions by what accelerates the

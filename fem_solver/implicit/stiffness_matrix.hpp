@@ -34,8 +34,8 @@ class StiffnessMatrix {
     StiffnessMatrix(const Mesh& mesh, const std::vector<std::int32_t>& elements,
                     const Nodes& nodes);
 
-    /// K of `elements`, the group of the implicit parts, in the shape nodes.x. Rows and columns of directions that a support
-    /// holds are zero.
+    /// K of `elements`, the group of the implicit parts, in the shape nodes.x. Rows and columns of
+    /// directions that a support holds are zero.
     void assemble(const Hexahedra& elements, const Nodes& nodes);
 
     const BlockMatrix& matrix() const { return matrix_; }

@@ -32,11 +32,11 @@ void check_elements(const Mesh& mesh, const Part& part) {
                        part.element != ElementFormulation::one_point;
     for (std::int32_t e : part.elements)
         if (other || mesh.shape_of(e) != ElementShape::hexahedron)
-            throw InputError(name_of(part) +
-                             "is for hexahedra of element = \"one_point\" alone, but the set holds " +
-                             mesh.element_name(e) +
-                             (other ? " of another element" : "") +
-                             "; leave that part explicit.");
+            throw InputError(
+                name_of(part) +
+                "is for hexahedra of element = \"one_point\" alone, but the set holds " +
+                mesh.element_name(e) + (other ? " of another element" : "") +
+                "; leave that part explicit.");
 }
 
 void check_neighbors(const Case& c, const Model& model) {
