@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "case/time_step.hpp"
+#include "fem_solver/setup/implicit_check.hpp"
 #include "wire/errors.hpp"
 #include "wire/participant.hpp"
 
@@ -13,9 +14,17 @@ namespace {
 
 class Alone final : public Link {
  public:
-    explicit Alone(const Case& c) : agreement_(c.time, c.output.fields_every), end_(c.time.end) {}
+    explicit Alone(const Case& c) : agreement_(c.time, c.output.fields_every), end_(c.time.end),
+                                       max_step_(c.time.max_step) {}
 
-    std::int64_t announce(const Structure&) override { return 0; }
+    std::int64_t announce(const Structure& structure) override {
+        if (only_implicit_parts(structure.model()) && structure.implicit() &&
+            !std::isfinite(max_step_))
+            throw InputError(
+                "fem.part: all that deforms is implicit, and this program runs alone, so that "
+                "nothing limits the step; set time.max_step to what resolves the motion.");
+        return 0;
+    }
     void send_state(std::int64_t, double t, const Structure&, const StableStep& offer,
                     bool stop) override {
         order_.finish = stop || t >= end_;
@@ -37,6 +46,7 @@ class Alone final : public Link {
  private:
     StepAgreement agreement_;
     double end_;
+    double max_step_;  // [s] of the case
     std::vector<StepOffer> offer_{1};
     StepOrder order_;
 };

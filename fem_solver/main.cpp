@@ -57,6 +57,10 @@ void log_start(const Structure& structure, const MeshQuality& quality) {
                           "least %.3g E A/h (10 unless stability allows less)",
                           pair.set().name.c_str(), pair.set().nodes.size(), pair.nodes_near(),
                           pair.set().surface.size(), pair.softest()));
+    if (const ImplicitParts* implicit = structure.implicit())
+        log_info(sentence("implicit parts: %zu unknowns; explicit, their elements' bound would be "
+                          "%.4g s. A mode omega moves slower by (omega dt)^2/9",
+                          implicit->unknowns(), implicit->explicit_step()));
     if (structure.omega_bound() == 0) return;
     const std::size_t stiffest = structure.elements().stiffest();
     log_info(

@@ -26,6 +26,8 @@ std::vector<std::string> energy_columns(const Structure& structure) {
     columns.insert(columns.end(), {"external work [J]", "contact work [J]"});
     if (!structure.pairs().empty())
         columns.insert(columns.end(), {"contact springs [J]", "friction [J]", "contact damping [J]"});
+    if (structure.implicit())
+        columns.insert(columns.end(), {"implicit inertia [J]", "implicit damping [J]", "implicit change [J]"});
     columns.push_back("balance error [J]");
     return columns;
 }
@@ -146,6 +148,7 @@ void Output::write_rows(double t, const Structure& structure) {
     row_.insert(row_.end(), {e.external, e.contact});
     if (!structure.pairs().empty())
         row_.insert(row_.end(), {e.pair_springs, e.pair_friction, e.pair_damping});
+    if (structure.implicit()) row_.insert(row_.end(), {e.implicit, e.implicit_damping, e.implicit_change});
     row_.push_back(e.balance_error());
     energy_.row(row_);
     peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass + e.plastic,
@@ -203,6 +206,13 @@ void Output::summary(const RunFigures& run, const Structure& structure) const {
     s.set("frequency_searches", std::int64_t(structure.frequency_searches()));
     s.set("energy_balance_error", peak_energy_ > 0 ? worst_balance_ / peak_energy_ : 0.0);
     s.set("max_displacement", peak_displacement_);
+    if (const ImplicitParts* implicit = structure.implicit()) {
+        s.set("implicit.unknowns", std::int64_t(implicit->unknowns()));
+        s.set("implicit.factor_nonzeros", implicit->nonzeros());
+        s.set("implicit.factorizations", implicit->factorizations());
+        s.set("implicit.assemblies", implicit->assemblies());
+        s.set("implicit.explicit_step", implicit->explicit_step());
+    }
     if (settlement_) summarize_settlement(s, structure);
     if (structure.model().water) {
         const StaticWater::Difference& d = structure.model().water->difference();

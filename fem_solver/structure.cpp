@@ -55,6 +55,8 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : set.nodes) is_rigid_[n] = 1;
         bodies_.emplace_back(set, nodes_);
     }
+    if (elements_.implicit())
+        implicit_ = std::make_unique<ImplicitParts>(model_, *elements_.implicit(), nodes_);
     report_.omega2 = elements_.omega2_start();
     find_frequency();
     omega_start_ = tightening_ * omega_bound();
@@ -195,7 +197,9 @@ void Structure::kick(double dt) {
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
+    if (implicit_) implicit_->before_kick(*elements_.implicit(), nodes_, step);
     kick_ = fem::kick(nodes_, step, threads_);
+    if (implicit_) implicit_->after_kick(nodes_, step, kick_);
     model_.far_field.after_kick(nodes_, step, kick_);
     kick_ += elements_.kick(step, threads_);
     for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
@@ -243,6 +247,7 @@ void Structure::count_from_here() {
     for (TractionLoad& traction : model_.tractions) traction.load.work = 0;
     for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
+    if (implicit_) implicit_->count_from_here();
 }
 
 Residual Structure::residual() const {
@@ -293,18 +298,29 @@ const StableStep& Structure::stable_step() {
     const double b2 = model_.bulk_viscosity.quadratic;
     const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression;
     const double omega = tightening_ * std::sqrt(report_.omega2);
-    if (omega == 0) {  // rigid bodies alone: a number that any other limit undercuts
+    const auto limit_to = [&](double dt, const char* limiter) {
+        if (dt >= stable_.dt) return;
+        stable_.dt = dt;
+        if (stable_.limiter != limiter) stable_.limiter = limiter;
+        named_omega2_ = 0;  // name the element again when it limits
+    };
+    if (omega == 0 && !implicit_) {  // rigid bodies alone: a number that any other limit undercuts
         stable_ = {1e9, "nothing that deforms"};
         return stable_;
     }
-    stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
+    stable_.dt = 1e300;
+    if (omega == 0)
+        limit_to(std::min(1e9, model_.max_step), "nothing but implicit parts");
+    else
+        stable_.dt = 2 / omega * (std::sqrt(model_.cfl * model_.cfl + xi * xi) - xi);
     // the springs of contact are made for the step of the start
     for (const ContactPair& pair : pairs_) stable_.dt = std::min(stable_.dt, pair.largest_step());
-    if (std::abs(report_.omega2 - named_omega2_) > 1e-4 * report_.omega2) {
+    if (omega > 0 && std::abs(report_.omega2 - named_omega2_) > 1e-4 * report_.omega2) {
         const std::size_t e = elements_.stiffest();
         stable_.limiter = model_.mesh.element_name(e) + " of " + elements_.part_name(e);
         named_omega2_ = report_.omega2;
     }
+    if (implicit_) limit_to(implicit_->largest_step(model_.cfl), "tension in implicit parts");
     return stable_;
 }
 
@@ -363,6 +379,11 @@ Energies Structure::energies() const {
         e.pair_springs += pair.elastic_energy();
         e.pair_friction += pair.friction_work();
         e.pair_damping += pair.damping_work();
+    }
+    if (implicit_) {
+        e.implicit = implicit_->energy();
+        e.implicit_damping = implicit_->damping_work();
+        e.implicit_change = implicit_->change_work();
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     for (const TractionLoad& traction : model_.tractions) e.external += traction.load.work;

@@ -3,6 +3,7 @@
 // solver.cpp calls these in the order of the step; tests do the same without files and wire.
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "fem_solver/boundary/nodal_load.hpp"
 #include "fem_solver/contact_pairs/contact_pair.hpp"
 #include "fem_solver/elements/element_groups.hpp"
+#include "fem_solver/implicit/implicit_parts.hpp"
 #include "fem_solver/nodes.hpp"
 #include "fem_solver/rigid/rigid_body.hpp"
 #include "fem_solver/setup/model.hpp"
@@ -32,10 +34,14 @@ struct Energies {
     double pair_springs = 0;    // stored in contact inside the mesh
     double pair_friction = 0;   // dissipated there by slip
     double pair_damping = 0;    // and along the normals
+    double implicit = 0;         // of the inertia kappa K that implicit parts add to M
+    double implicit_damping = 0;  // dissipated by the implicit parts' own damping
+    double implicit_change = 0;   // came in when that inertia was set anew
     /// What does not add up.
     double balance_error() const {
         return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field +
-               pair_springs + pair_friction + pair_damping - external - contact;
+               pair_springs + pair_friction + pair_damping + implicit + implicit_damping -
+               implicit_change - external - contact;
     }
 };
 
@@ -119,6 +125,8 @@ class Structure {
     std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
     const std::vector<RigidBody>& bodies() const { return bodies_; }
     const std::vector<ContactPair>& pairs() const { return pairs_; }
+    /// None when every part is explicit.
+    const ImplicitParts* implicit() const { return implicit_.get(); }
     double kinetic_energy() const { return kick_.kinetic; }  // [J] of the last kick
     double omega_bound() const;                          // [1/s] elements' bound at the start
     double omega_start() const { return omega_start_; }  // [1/s] found for the mesh at the start
@@ -136,6 +144,7 @@ class Structure {
     Nodes nodes_;
     NodalLoad contact_;
     ShellFaces faces_;  // of the coupled surface; empty without shells
+    std::unique_ptr<ImplicitParts> implicit_;
     std::vector<RigidBody> bodies_;
     std::vector<ContactPair> pairs_;
     std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies

@@ -65,6 +65,7 @@ std::size_t kind_of(const Mesh& mesh, const Part& part, std::int32_t element) {
 Elements::Elements(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity)
     : part_of_(mesh.n_elements(), -1), group_of_(mesh.n_elements(), -1) {
     std::vector<std::vector<Part>> of_kind(std::size(kinds));
+    std::vector<Part> implicit;
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const Part& part = parts[p];
         name_.push_back(part.name);
@@ -78,18 +79,31 @@ Elements::Elements(const Mesh& mesh, const std::vector<Part>& parts, const BulkV
             split[kind_of(mesh, part, e)].push_back(e);
         }
         deformable_ += part.elements.size();
+        if (part.implicit) {  // one-point hexahedra, see check_implicit_parts()
+            if (!part.elements.empty()) implicit.push_back(part);
+            continue;
+        }
         for (std::size_t k = 0; k < std::size(kinds); ++k) {
             if (split[k].empty()) continue;
             of_kind[k].push_back(part);
             of_kind[k].back().elements = std::move(split[k]);
         }
     }
-    for (std::size_t k = 0; k < std::size(kinds); ++k) {
-        if (of_kind[k].empty()) continue;
-        for (const Part& part : of_kind[k])
+    const auto add = [&](const std::vector<Part>& of_group, std::unique_ptr<ElementGroup> group) {
+        for (const Part& part : of_group)
             for (std::int32_t e : part.elements) group_of_[e] = std::int32_t(groups_.size());
-        groups_.push_back(make_group(kinds[k], mesh, of_kind[k], viscosity));
-    }
+        groups_.push_back(std::move(group));
+    };
+    for (std::size_t k = 0; k < std::size(kinds); ++k)
+        if (!of_kind[k].empty()) add(of_kind[k], make_group(kinds[k], mesh, of_kind[k], viscosity));
+    if (implicit.empty()) return;
+    auto group = std::make_unique<Hexahedra>(mesh, implicit, viscosity);
+    implicit_ = group.get();
+    add(implicit, std::move(group));
+}
+
+bool Elements::limits_step(const std::unique_ptr<ElementGroup>& group) const {
+    return group.get() != implicit_;
 }
 
 std::vector<double> Elements::nodal_masses(std::size_t n_nodes) const {
@@ -110,18 +124,24 @@ void Elements::set_stress(std::int32_t element, const Symmetric<double>& stress)
 
 double Elements::omega2_start() const {
     double largest = 0;
-    for (const auto& group : groups_) largest = std::max(largest, group->omega2_start());
+    for (const auto& group : groups_)
+        if (limits_step(group)) largest = std::max(largest, group->omega2_start());
     return largest;
 }
 
 ElementsReport Elements::step(Nodes& nodes, double dt, int threads) {
     ElementsReport total;
-    for (const auto& group : groups_) total += group->step(nodes, dt, threads);
+    for (const auto& group : groups_) {
+        ElementsReport report = group->step(nodes, dt, threads);
+        if (!limits_step(group)) report.omega2 = report.stiffening = 0;
+        total += report;
+    }
     return total;
 }
 
 void Elements::subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const {
-    for (const auto& group : groups_) group->subtract_tangent_forces(x, u, f);
+    for (const auto& group : groups_)
+        if (limits_step(group)) group->subtract_tangent_forces(x, u, f);
 }
 
 void Elements::accept_shape() {
@@ -170,8 +190,10 @@ void Elements::stop() {
 
 std::size_t Elements::stiffest() const {
     ExtremeElement best;
-    for (const auto& group : groups_)
+    for (const auto& group : groups_) {
+        if (!limits_step(group)) continue;
         if (const ExtremeElement one = group->stiffest(); one.value > best.value) best = one;
+    }
     return best.element;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // All elements of a mesh that deform, whatever their kind: one group for each kind, stepped one
-// after the other.
+// after the other. Implicit parts (fem_solver/implicit) have a group of their own, which does not
+// count where the step is limited.
 
 #include <memory>
 #include <string>
@@ -11,6 +12,8 @@
 #include "fem_solver/mesh.hpp"
 
 namespace undertow::fem {
+
+class Hexahedra;
 
 class Elements {
  public:
@@ -23,7 +26,11 @@ class Elements {
     std::size_t deformable() const { return deformable_; }
     const std::vector<std::unique_ptr<ElementGroup>>& groups() const { return groups_; }
 
-    // As ElementGroup has them, of all groups together:
+    /// The group of the implicit parts; none without such parts.
+    const Hexahedra* implicit() const { return implicit_; }
+
+    // As ElementGroup has them, of all groups together; bounds, tangent forces and the stiffest
+    // element are those of the explicit groups:
     std::vector<double> nodal_masses(std::size_t n_nodes) const;
     std::vector<double> nodal_weight_masses(std::size_t n_nodes) const;
     void set_stress(std::int32_t element, const Symmetric<double>& stress);
@@ -59,7 +66,10 @@ class Elements {
     std::vector<double> plastic_strain() const;
 
  private:
+    bool limits_step(const std::unique_ptr<ElementGroup>& group) const;
+
     std::vector<std::unique_ptr<ElementGroup>> groups_;
+    const Hexahedra* implicit_ = nullptr;  // one of them
     std::vector<std::int32_t> part_of_;   // [n_elements] -1: none
     std::vector<std::int32_t> group_of_;  // [n_elements] -1: none
     std::vector<std::string> name_;       // of parts

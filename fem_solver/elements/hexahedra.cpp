@@ -59,4 +59,16 @@ void Hexahedra::write_stress(std::span<double> stress) const {
     });
 }
 
+double Hexahedra::largest_stress_stiffness() const {
+    double largest2 = 0;
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+        const Symmetric<Lanes>& s = state_[b].stress;
+        const double modulus = law_[batches_[b].part].lambda + 2 * law_[batches_[b].part].mu;
+        const Lanes norm2 = (s.xx * s.xx + s.yy * s.yy + s.zz * s.zz) +
+                            2.0 * (s.xy * s.xy + s.yz * s.yz + s.zx * s.zx);
+        largest2 = std::max(largest2, largest_lane(norm2) / (modulus * modulus));
+    }
+    return std::sqrt(largest2);
+}
+
 }  // namespace undertow::fem

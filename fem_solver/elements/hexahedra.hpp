@@ -16,6 +16,8 @@ class Hexahedra final : public BatchedGroup<8, HexahedronConstants<Lanes>, Hexah
     void subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const override;
     ExtremeElement most_compressed(const Nodes& nodes) const override;
     void write_stress(std::span<double> stress) const override;
+    /// Largest |stress|/(lambda + 2 mu): by this share of its bound tension stiffens an element.
+    double largest_stress_stiffness() const;
 
  private:
     template <class Law>

@@ -22,6 +22,7 @@ struct Part {
     ElementFormulation element = ElementFormulation::automatic;
     double thickness = 0;               // [m] of shells
     std::optional<J2> plane_plastic{};  // of shells that can yield; `material` has their moduli
+    bool implicit = false;              // limits no step, see fem_solver/implicit
 };
 
 struct BulkViscosity {

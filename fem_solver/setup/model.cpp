@@ -10,6 +10,7 @@
 #include "fem_solver/setup/coupled_surface.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
 #include "fem_solver/setup/immobile.hpp"
+#include "fem_solver/setup/implicit_check.hpp"
 #include "fem_solver/setup/rigid_sets.hpp"
 #include "wire/errors.hpp"
 
@@ -78,6 +79,7 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
         Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
                   make_material(*material), material->weight_density, p.element, p.thickness,
                   make_plane_plastic(*material, p)};
+        part.implicit = p.implicit;
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +
@@ -193,6 +195,8 @@ Model build_model(const Case& c, Mesh mesh) {
     model.gravity = c.info.gravity;
     model.damping = c.fem.damping_alpha;
     model.cfl = c.fem.cfl;
+    model.implicit_damping = c.fem.implicit_damping;
+    check_implicit_parts(c, model);
     return model;
 }
 

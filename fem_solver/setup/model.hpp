@@ -57,6 +57,7 @@ struct Model {
     Vec3 gravity{};      // [m/s2]
     double damping = 0;  // [1/s] Rayleigh alpha
     double cfl = 0.9;    // lambda of Eq. 13
+    double implicit_damping = 0;  // of implicit parts: c/dt, see fem_solver/implicit
 };
 
 /// Reads or makes the mesh and resolves the tables. A 2D case holds every node in y and must be one

@@ -256,6 +256,8 @@ struct FemPart {                         // [[fem.part]]
     ElementFormulation element = ElementFormulation::automatic;  // "one_point", "b_bar",
                                                                  // "averaged_pressure", "shell"
     double thickness = 0;                // [m] of "shell"
+    bool implicit = false;               // linearly implicit: does not limit the step; for stiff parts
+                                         // that stay elastic (docs/theory_fem.md, section 14)
 };
 
 struct FemSupport {                      // [[fem.support]]
@@ -342,6 +344,8 @@ struct FemSettings {
     double damping_alpha = 0;            // [1/s] Rayleigh, mass-proportional
     double bulk_viscosity_linear = 0.06;
     double bulk_viscosity_quadratic = 1.2;
+    double implicit_damping = 0.005;     // of implicit parts: damping ratio of a mode over half of
+                                         // omega dt; keeps a varying step from exciting fast modes
     std::vector<FemMaterial> material;
     std::vector<FemPart> part;
     std::vector<FemSupport> support;

@@ -235,7 +235,7 @@ void to_json(Json& j, const FemMaterial& v) {
 }
 void to_json(Json& j, const FemPart& v) {
     j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},
-         {"thickness", v.thickness}};
+         {"thickness", v.thickness}, {"implicit", v.implicit}};
 }
 void to_json(Json& j, const FemSupport& v) {
     j = {{"set", v.set}, {"fix", v.fix}};
@@ -283,6 +283,7 @@ void to_json(Json& j, const FemSettings& v) {
          {"damping_alpha", v.damping_alpha},
          {"bulk_viscosity_linear", v.bulk_viscosity_linear},
          {"bulk_viscosity_quadratic", v.bulk_viscosity_quadratic},
+         {"implicit_damping", v.implicit_damping},
          {"material", v.material},
          {"part", v.part},
          {"support", v.support},

@@ -182,6 +182,7 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
     reader.number("damping_alpha", fem.damping_alpha, at_least(0, "1/s"));
     reader.number("bulk_viscosity_linear", fem.bulk_viscosity_linear, at_least(0));
     reader.number("bulk_viscosity_quadratic", fem.bulk_viscosity_quadratic, at_least(0));
+    reader.number("implicit_damping", fem.implicit_damping, closed(0, 1));
 
     reader.tables("material",
                   [&](TableReader& entry) { read_material(entry, fem.material.emplace_back()); });
@@ -207,6 +208,17 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
             entry.reject("element",
                          "needs quads, but [fem.block] is made of hexahedra; bring the "
                          "shell in a fem.mesh, as a physical surface.");
+        entry.flag("implicit", part.implicit);
+        for (const FemMaterial& material : fem.material)
+            if (part.implicit && material.name == part.material &&
+                material.kind != MaterialKind::linear_elastic)
+                entry.reject("implicit",
+                             "needs a material that stays elastic: kind = \"linear_elastic\".");
+        if (part.implicit && part.element != ElementFormulation::automatic &&
+            part.element != ElementFormulation::one_point)
+            entry.reject("implicit",
+                         "is for hexahedra of element = \"one_point\" alone; leave element out, or "
+                         "leave the part explicit.");
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();

@@ -123,9 +123,13 @@ def wave_speed(material):
 
 
 def fem_step(case, length):
-    """(dt [s], what limits it): the fastest material in the smallest element."""
+    """(dt [s], what limits it): the fastest material in the smallest element; None when rigid bodies
+    and implicit parts, which limit no step, are all there is."""
     rigid = {body["set"] for body in case["fem"]["rigid"]}
-    used = {part["material"] for part in case["fem"]["part"] if part["set"] not in rigid}
+    used = {part["material"] for part in case["fem"]["part"]
+            if part["set"] not in rigid and not part["implicit"]}
+    if not used:
+        return None
     fastest = max((m for m in case["fem"]["material"] if m["name"] in used), key=wave_speed)
     c = wave_speed(fastest)
     return case["fem"]["cfl"] * length / c, f"element, {fastest['name']}: L = {length:.3g} m, c_p = {c:.4g} m/s"
@@ -159,8 +163,9 @@ def estimate(case, threads):
         mesh = fem_mesh(case)
         if mesh:
             result["elements"] = mesh[1]
-            dt, why = fem_step(case, mesh[0])
-            dts.append((dt, f"fem: {why}"))
+            step = fem_step(case, mesh[0])
+            if step:
+                dts.append((step[0], f"fem: {step[1]}"))
         else:
             result["notes"].append(f"{case['fem']['mesh']} is no ASCII Gmsh 4.1 file of hexahedra: its step is not estimated")
     dt, limiter = min(dts, default=(math.nan, "-"))

@@ -1,7 +1,8 @@
 // Element-steps per second of the whole step (stable step, internal forces, health, kick, drift) of
 // the one-point hexahedron, the 8-point one and the tetrahedron, double: elastic, Tresca that stays
 // elastic, Tresca with every element flowing in every step. Inner nodes moved by a tenth of an
-// element.
+// element. Then the whole step of implicit parts at twenty times the elements' own step: plates one
+// element thick, and a cube.
 //   bench_fem_throughput [--json | --shells]
 // Shells: elastic, and J2 at five points through the thickness.
 // Targets: 15 M element-steps/s on one core at 64,000 elements, 20 us per step for 240 elements; 5 M
@@ -119,6 +120,45 @@ double print(const std::array<int, 3>& divisions, int threads, Law law = Law::el
     return elements / time;
 }
 
+/// [us] of a whole step with the block implicit, best of five runs.
+double print_implicit(const std::array<int, 3>& divisions) {
+    Case c;
+    c.fem.block = FemBlock{
+        {{0, 0, 0}, {0.01 * divisions[0], 0.01 * divisions[1], 0.01 * divisions[2]}}, divisions};
+    c.fem.material = {{"steel", MaterialKind::linear_elastic, 7850, {}, 210e9, 0.3, 0}};
+    c.fem.part = {{.set = "block", .material = "steel", .implicit = true}};
+    c.fem.support = {{"ymin", {"x", "y", "z"}}};
+    c.time.max_step = 1;
+    Structure s(build_model(c), 1);
+    const double dt = 20 * s.implicit()->explicit_step();
+    for (std::size_t n = 0; n < s.nodes().size(); ++n)
+        if (s.nodes().inverse_mass[n].c[0] > 0) s.nodes().v[n].c[0] = 1e-6;
+    const auto step = [&](int n) {
+        s.stable_step();
+        s.internal_forces();
+        s.check_health(n, 0);
+        s.kick(dt);
+        s.drift(dt);
+    };
+    double start = cpu_clock();
+    step(0);  // assembles and factors
+    const double first = cpu_clock() - start;
+    const int steps = std::clamp(int(2e6 / double(s.implicit()->nonzeros())), 3, 1000);
+    double best = 1e300;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+        start = cpu_clock();
+        for (int n = 1; n <= steps; ++n) step(n);
+        best = std::min(best, (cpu_clock() - start) / steps);
+    }
+    std::fprintf(stderr,
+                 "implicit, %zu unknowns (%d x %d x %d elements), %.3g M entries of the factor: "
+                 "%9.1f us per step, first step %.4g s (%lld factorizations)\n",
+                 s.implicit()->unknowns(), divisions[0], divisions[1], divisions[2],
+                 1e-6 * double(s.implicit()->nonzeros()), 1e6 * best, first,
+                 static_cast<long long>(s.implicit()->factorizations()));
+    return 1e6 * best;
+}
+
 }  // namespace
 
 enum class Section { elastic, layered, flowing };
@@ -207,6 +247,9 @@ int main(int argc, char** argv) {
     const double shell_flowing = print_shells(200, Section::flowing);
     const int cores = int(std::thread::hardware_concurrency());
     const double two = cores > 1 ? print({64, 64, 64}, 2) : large;
+    const double implicit[4] = {print_implicit({1, 12, 12}), print_implicit({1, 28, 28}),
+                                print_implicit({1, 57, 57}), print_implicit({1, 90, 90})};
+    print_implicit({12, 12, 12});
     if (argc > 1 && std::strcmp(argv[1], "--json") == 0)
         std::printf(
             "{\"fem.hex1_elastic\": %.4g, \"fem.hex1_tresca\": %.4g, "
@@ -214,7 +257,10 @@ int main(int argc, char** argv) {
             "\"fem.hex8_bbar_tresca\": %.4g, \"fem.hex8_bbar_tresca_flowing\": %.4g, "
             "\"fem.tet4\": %.4g, \"fem.tet4_tresca\": %.4g, \"fem.tet4_tresca_flowing\": %.4g, "
             "\"fem.shell4\": %.4g, \"fem.shell4_j2\": %.4g, \"fem.shell4_j2_flowing\": %.4g, "
-            "\"fem.two_thread_speedup\": %.3f}\n",
+            "\"fem.two_thread_speedup\": %.3f, "
+            "\"fem.implicit_us_per_step.1000\": %.4g, \"fem.implicit_us_per_step.5000\": %.4g, "
+            "\"fem.implicit_us_per_step.20000\": %.4g, \"fem.implicit_us_per_step.50000\": %.4g}\n",
             rate, tresca, flowing, eight, eight_tresca, eight_flowing, four, four_tresca,
-            four_flowing, shell, layered, shell_flowing, two / large);
+            four_flowing, shell, layered, shell_flowing, two / large, implicit[0],
+            implicit[1], implicit[2], implicit[3]);
 }

@@ -1,4 +1,5 @@
 """Joining of summaries, histories, and the dam-break report on made-up data."""
+import copy
 import json
 import pathlib
 import sys
@@ -31,7 +32,7 @@ CASE = {
     "fem": {"mesh": "", "cfl": 0.9, "surface": [{"name": "wall", "set": "xmin"}],
             "block": {"box": {"min": [1.61, 0, 0], "max": [1.63, 0.15, 0.6]}, "divisions": [1, 8, 30]},
             "material": [{"name": "pmma", "density": 1190, "young_modulus": 3.2e9, "poisson_ratio": 0.32}],
-            "part": [{"set": "block", "material": "pmma"}], "rigid": []},
+            "part": [{"set": "block", "material": "pmma", "implicit": False}], "rigid": []},
     "coupling": {"law": "fluid", "skin": 0.3, "beta": 0.25, "damping": 0.1, "patch": []},
     "report": {"depth": DEPTH, "gate": GATE, "wall": WALL, "snapshots": [1.0, 2.0],
                "sensors": {"P1": 0.003, "P2": 0.015, "P3": 0.030, "P4": 0.080}},
@@ -135,6 +136,11 @@ class EstimateTest(unittest.TestCase):
         self.assertIn("fem", figures_["limiter"])
         # 18.75 mm at 1962 m/s with 0.9
         self.assertAlmostEqual(figures_["dt"], 0.9 * 0.01875 / 1962, delta=1e-8)
+
+    def test_an_implicit_part_limits_no_step(self):
+        case = copy.deepcopy(CASE)
+        case["fem"]["part"][0]["implicit"] = True
+        self.assertIn("sph", estimate(case, 2)["limiter"])
 
 
 class DamBreakReportTest(Folder):

@@ -89,7 +89,7 @@ const Mistake mistakes[] = {
      "\"steel\"?"},
     {"material = \"steel\"", "material = \"steel\"\nelement = \"bbar\"",
      "case.toml:28:11: fem.part.0.element = \"bbar\" is not known: allowed are one_point, b_bar, "
-     "averaged_pressure; did you mean \"b_bar\"?"},
+     "averaged_pressure, shell; did you mean \"b_bar\"?"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 1]\ncells = \"tets\"",
      "case.toml:20:9: fem.block.cells = \"tets\" is not known: allowed are hexahedra, tetrahedra"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 1]\ncorners = [[0, 0, 0]]",
@@ -102,6 +102,10 @@ const Mistake mistakes[] = {
      "case.toml:30:7: fem.surface.top.set = \"top\" is not known: allowed are xmin, xmax"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 0]",
      "case.toml:19:13: fem.block.divisions = [4, 4, 0] is not allowed"},
+    {"material = \"steel\"", "material = \"steel\"\nimplicit = 1",
+     "case.toml:28:12: fem.part.0.implicit = 1 is an integer: true or false is expected."},
+    {"material = \"steel\"", "material = \"steel\"\nimplicit = true\nelement = \"b_bar\"",
+     "case.toml:28:12: fem.part.0.implicit = true is for hexahedra of element = \"one_point\""},
     {"[fem.block]", "[fem]\nmesh = \"a.msh\"\n[fem.block]",
      "case.toml:18:8: fem.mesh = \"a.msh\" is one mesh too many"},
     {"[[fem.surface]]\nname = \"top\"\nset = \"zmax\"", "",
@@ -152,6 +156,15 @@ TEST_CASE("a name may be given once only") {
     CHECK(mistake(twice) ==
           "case.toml:34:8: sph.plane.floor.name = \"floor\" is taken: every [[sph.plane]] needs a "
           "name of its own.");
+}
+
+TEST_CASE("an implicit part has a material that stays elastic") {
+    const std::string text = with(plate, "material = \"steel\"", "material = \"steel\"\nimplicit = true");
+    CHECK(mistake(text).empty());
+    CHECK(mistake(with(text, "poisson_ratio = 0.3",
+                       "poisson_ratio = 0.3\nkind = \"tresca\"\nshear_strength = 1e4")) ==
+          "case.toml:30:12: fem.part.0.implicit = true needs a material that stays elastic: kind = "
+          "\"linear_elastic\".");
 }
 
 TEST_CASE("a mesh file must exist beside the case") {

@@ -97,6 +97,39 @@ TEST_CASE("a block slides down a plane of slope 0.5 with g (sin - mu cos)") {
     CHECK(s.energies().pair_friction > 0);
 }
 
+TEST_CASE("an implicit block slides as well, at twenty of its own steps in one") {
+    BlockOnFloor scene(0.328);
+    scene.c.fem.material[0].young_modulus = 1e10;
+    scene.c.fem.part[1].implicit = true;
+    scene.c.time.max_step = 6e-4;
+    const double theta = std::atan(0.5), g = 9.81;
+    scene.c.info.gravity = {0, 0, -g * std::cos(theta)};
+    Structure s(build_model(scene.c, scene.mesh), 1);
+    REQUIRE(s.stable_step().dt == 6e-4);
+    REQUIRE(s.stable_step().dt > 18 * s.implicit()->explicit_step());
+    settle(s, {1e-6, 20000});
+    set_gravity(s, {g * std::sin(theta), 0, -g * std::cos(theta)});
+    const double dt = s.stable_step().dt;
+    const int steps = int(0.5 / dt);
+    double v1 = 0, t1 = 0, v2 = 0, t2 = 0, peak = 0;
+    Range balance;
+    march(s, dt, steps, [&](int n) {
+        const double weight = double(n) / steps;
+        if (weight > 0.2 && weight <= 0.4) v1 += mean_x_velocity(s), t1 += 1;
+        if (weight > 0.8) v2 += mean_x_velocity(s), t2 += 1;
+        const Energies e = s.energies();
+        peak = std::max(peak, e.kinetic);
+        balance.add(e.balance_error());
+    });
+    const double a = (v2 / t2 - v1 / t1) / (0.6 * steps * dt);
+    const double exact = g * (std::sin(theta) - 0.328 * std::cos(theta));
+    WARN("sliding implicit block: " << a << " m/s2, exact " << exact
+                                    << "; balance error over peak energy "
+                                    << balance.width() / peak);
+    CHECK(a == Approx(exact).epsilon(0.005));
+    CHECK(balance.width() / peak < 1e-3);
+}
+
 TEST_CASE("a block sticks on the plane when friction suffices, and does not creep") {
     BlockOnFloor scene(0.6);
     scene.c.fem.damping_alpha = 50;  // quiets the ringing of the tilt, moves nothing at rest
