@@ -305,14 +305,17 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     const std::vector<Packed>& records = neighbors.records();
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale() / physics.lattice_moment;
     // of the records: the sums have found the next ones already
-    const std::vector<float>& viscosity = neighbors.viscosity();
-    const bool variable = !viscosity.empty();
+    const ExactShown& exact = neighbors.exact();
+    const bool variable = !neighbors.viscosity().empty();
+    const auto viscosity = [&](int j) {
+        return exact.used ? exact.viscosity[j] : double(neighbors.viscosity()[j]);
+    };
     const double per_moment = physics.implicit_viscosity ? 0 : 2;
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;
         k.per_mass = 1 / k.mass;
-        k.volume = records[k.particle].volume;
+        k.volume = exact.used ? exact.records[k.particle].volume : records[k.particle].volume;
         k.density = k.mass / k.volume;
     }
     // [a][b] for the fluids a of i and b of j
@@ -340,7 +343,10 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         const bool mirrored = pair.record >= 0;
         const double* n = pair.n;
         double d[3] = {p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]};
-        if (mirrored) {
+        if (mirrored && exact.used) {
+            const ExactRecord& q = exact.records[pair.record];
+            d[0] = p.x[a] - q.x, d[1] = p.y[a] - q.y, d[2] = p.z[a] - q.z;
+        } else if (mirrored) {
             const Packed& q = records[pair.record];
             d[0] = p.x[a] - fixed.x0 - q.x * fixed.unit;
             d[1] = p.y[a] - fixed.y0 - q.y * fixed.unit;
@@ -351,7 +357,10 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         if (r2 >= 4 * h * h) return;
         const double v_a[3] = {p.vx[a], p.vy[a], p.vz[a]};
         double v[3] = {p.vx[a] - p.vx[b], p.vy[a] - p.vy[b], p.vz[a] - p.vz[b]};
-        if (mirrored) {
+        if (mirrored && exact.used) {
+            const ExactRecord& q = exact.records[pair.record];
+            v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
+        } else if (mirrored) {
             const Packed& q = records[pair.record];
             v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
         }
@@ -368,7 +377,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                      level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
         const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
         const double pair_mu =
-            variable ? harmonic_mean(double(viscosity[a]), double(viscosity[b]))
+            variable ? harmonic_mean(viscosity(a), viscosity(b))
                      : mu[of_a][of_b];
         const double laminar = per_moment * pair_mu * F;
         const double mean = p.p[a] + p.p[b] + viscous;
@@ -418,11 +427,11 @@ void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbor
     with_kernel(physics.kernel, physics.h, physics.dimension, sum);
     for (const Near& k : near_) {
         const int i = k.particle;
-        if (terms != Terms::force) particles.drho_dt[i] += static_cast<float>(k.rate);
+        if (terms != Terms::force) particles.drho_dt.add(i, k.rate);
         if (terms == Terms::rate) continue;
-        particles.ax[i] += static_cast<float>(k.a[0]);
-        particles.ay[i] += static_cast<float>(k.a[1]);
-        particles.az[i] += static_cast<float>(k.a[2]);
+        particles.ax.add(i, k.a[0]);
+        particles.ay.add(i, k.a[1]);
+        particles.az.add(i, k.a[2]);
     }
 }
 

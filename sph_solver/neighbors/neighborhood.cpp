@@ -71,7 +71,7 @@ void Neighborhood::sort(Particles& particles) {
     scratch_id_.resize(n);
     scratch_byte_.resize(n);
     const bool viscous = !p.viscosity.empty();
-    scratch_float_.resize(viscous ? 2 * std::size_t(n) : 0);
+    scratch_viscous_.resize(viscous ? 2 * std::size_t(n) : 0);
 #pragma omp parallel
     {
 #pragma omp for schedule(static)
@@ -82,8 +82,8 @@ void Neighborhood::sort(Particles& particles) {
             scratch_id_[k] = p.id[from];
             scratch_byte_[k] = p.fluid[from];
             if (viscous)
-                scratch_float_[2 * std::size_t(k)] = p.viscosity[from],
-                scratch_float_[2 * std::size_t(k) + 1] = p.shear_rate[from];
+                scratch_viscous_[2 * std::size_t(k)] = p.viscosity[from],
+                scratch_viscous_[2 * std::size_t(k) + 1] = p.shear_rate[from];
         }
 #pragma omp for schedule(static)
         for (int k = 0; k < n; ++k) {
@@ -92,8 +92,8 @@ void Neighborhood::sort(Particles& particles) {
             p.id[k] = scratch_id_[k];
             p.fluid[k] = scratch_byte_[k];
             if (viscous)
-                p.viscosity[k] = scratch_float_[2 * std::size_t(k)],
-                p.shear_rate[k] = scratch_float_[2 * std::size_t(k) + 1];
+                p.viscosity[k] = scratch_viscous_[2 * std::size_t(k)],
+                p.shear_rate[k] = scratch_viscous_[2 * std::size_t(k) + 1];
         }
     }
 }
@@ -140,6 +140,10 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
 
     records_.resize(fluid_count_ + extras_.size());
     if (!particles.viscosity.empty()) viscosity_.resize(records_.size());
+    if (exact_.used) {
+        exact_.records.resize(records_.size());
+        if (!particles.viscosity.empty()) exact_.viscosity.resize(records_.size());
+    }
     const auto pack = [&](Packed& q, double x, double y, double z) {
         q.x = fixed_(x, fixed_.x0), q.y = fixed_(y, fixed_.y0), q.z = fixed_(z, fixed_.z0);
     };
@@ -156,13 +160,15 @@ void Neighborhood::find_smoothing(const Particles& particles, const SmoothingLen
     const float room = sizes.variable() ? static_cast<float>(SmoothingLengths::room) : 1.0f;
     smoothing_.resize(n);
     listed_.resize(n);
+    if (exact_.used) exact_.smoothing.resize(n);
 #pragma omp parallel for schedule(static)
     for (int j = 0; j < n; ++j) {
         const Extra* e = j < fluid_count_ ? nullptr : &extras_[j - fluid_count_];
         const int i = e ? e->source : j;
-        smoothing_[j] = static_cast<float>(e && e->from_body
-                                               ? sizes.of_dummies()
-                                               : sizes.of(particles.fluid[i], particles.drho[i]));
+        const double h = e && e->from_body ? sizes.of_dummies()
+                                           : sizes.of(particles.fluid[i], particles.drho[i]);
+        smoothing_[j] = static_cast<float>(h);
+        if (exact_.used) exact_.smoothing[j] = h;
         listed_[j] = smoothing_[j] * room;
     }
 }

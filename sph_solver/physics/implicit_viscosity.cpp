@@ -119,9 +119,9 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
         a[0] += float(per * (change_.x[i] + residual_.x[i] / m[i]));
         a[1] += float(per * (change_.y[i] + residual_.y[i] / m[i]));
         a[2] += float(per * (change_.z[i] + residual_.z[i] / m[i]));
-        s.ax[i] = float(a[0] - s.fx[i] - g[0]);
-        s.ay[i] = float(a[1] - s.fy[i] - g[1]);
-        s.az[i] = float(a[2] - s.fz[i] - g[2]);
+        s.ax.set(i, a[0] - s.fx[i] - g[0]);
+        s.ay.set(i, a[1] - s.fy[i] - g[1]);
+        s.az.set(i, a[2] - s.fz[i] - g[2]);
     }
 }
 

@@ -12,47 +12,48 @@ namespace undertow::sph {
 namespace {
 
 /// The sum over the images of one mask, or over one body's dummies and their images of one mask.
+template <class Real>
 struct OfWall {
     PlaneMask mask;
     int body;  // -1 = images of the fluid
-    PairSums<float8> sum;
+    PairSums<Eight<Real>> sum;
 };
 
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
-template <class KernelLaw, Content content, bool sized = false, class OfOwn, class F>
-void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
-                   const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall>& met, F&& f,
-                   const OwnSize* own_size = nullptr) {
+template <class KernelLaw, Content content, bool sized = false, class Real, class OfOwn, class F>
+void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
+                   const Lanes<Real>& i, const Meeting<Eight<Real>>* with, const Neighborhood& neighbors, int cluster,
+                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall<Real>>& met, F&& f,
+                   const OwnSize<Real>* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
-    const Packed* records = neighbors.records().data();
+    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
     for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) {
         const Extra& extra = neighbors.extras()[*at - n];
         if ((extra.mask & planes) == 0 && !extra.from_body) continue;  // by translation only
-        const Packed& j = records[*at];
+        const Record<Real>& j = records[*at];
         const int body = extra.from_body ? bodies.owner[extra.source] : -1;
         std::size_t m = 0;
         while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
         if (m == met.size()) met.push_back({extra.mask, body, {}});
-        const auto add = [&](const PairSize<float8>* size) {
+        const auto add = [&](const PairSize<Eight<Real>>* size) {
             add_pair<KernelLaw, Terms::force, content, sized>(
                 c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
-                with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : 0.0f,
-                static_cast<ShearSums<float8>*>(nullptr), size);
+                with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : Real(0),
+                static_cast<ShearSums<Eight<Real>>*>(nullptr), size);
         };
         if constexpr (sized) {
-            const PairSize<float8> size = own_size->with(*at);
+            const PairSize<Eight<Real>> size = own_size->with(*at);
             add(&size);
         } else {
             add(nullptr);
         }
     }
-    for (const OfWall& of : met) {
-        const float8 per_rho = i.volume * k.per_mass;
-        float8 ax, ay, az;
+    for (const OfWall<Real>& of : met) {
+        const Eight<Real> per_rho = i.volume * k.per_mass;
+        Eight<Real> ax, ay, az;
         acceleration(k, per_rho, of.sum, ax, ay, az);
         f(of.mask, of.body, ax, ay, az);
     }
@@ -61,10 +62,10 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
 
 /// Calls f(mask, ax, ay, az) with what the eight feel of images behind no-slip planes beyond that
 /// of free-slip ones: the walls' shear.
-template <class KernelLaw, Content content, class OfOwn, class F>
-void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
-                    const Meeting<float8>* with, const Neighborhood& neighbors,
-                    const NoSlipImages& no_slip, int cluster, std::vector<OfWall>& met, F&& f) {
+template <class KernelLaw, Content content, class Real, class OfOwn, class F>
+void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
+                    const Lanes<Real>& i, const Meeting<Eight<Real>>* with, const Neighborhood& neighbors,
+                    const NoSlipImages& no_slip, int cluster, std::vector<OfWall<Real>>& met, F&& f) {
     if (no_slip.empty()) return;
     constexpr bool variable = content == Content::viscoplastic;
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
@@ -72,30 +73,31 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
         std::size_t m = 0;
         while (m < met.size() && met[m].mask != mask) ++m;
         if (m == met.size()) met.push_back({mask, -1, {}});
-        add_no_slip_image<KernelLaw, content>(
-            c, i, no_slip.change(at->image), neighbors.records()[at->record], with,
-            variable ? neighbors.viscosity()[at->record] : 0.0f, met[m].sum);
+        add_no_slip_image<KernelLaw, content, Real>(
+            c, i, no_slip.change<Real>(at->image), neighbors.records_in<Real>()[at->record], with,
+            variable ? neighbors.viscosity_in<Real>()[at->record] : Real(0), met[m].sum);
     }
-    for (const OfWall& of : met) {
-        const float8 per_rho = i.volume * k.per_mass;
-        float8 ax, ay, az;
+    for (const OfWall<Real>& of : met) {
+        const Eight<Real> per_rho = i.volume * k.per_mass;
+        Eight<Real> ax, ay, az;
         acceleration(k, per_rho, of.sum, ax, ay, az);
         f(of.mask, ax, ay, az);
     }
     met.clear();
 }
 
-template <class KernelLaw>
+template <class Real, class KernelLaw>
 std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
                                  const Neighborhood& neighbors, const MirrorPlanes& mirror,
                                  const Bodies& bodies, const NoSlipImages& no_slip) {
-    const double unit = neighbors.fixed().unit;
+    using Wide = Eight<Real>;
+    const double unit = neighbors.unit_in<Real>();
     const FluidLaw& first_fluid = physics.fluids[0];
-    const auto c = pair_constants<float>(physics, first_fluid, unit);
-    const auto k = factors<float>(physics, first_fluid, kernel.scale(), unit);
-    const Mixture<float> mixture(physics, kernel.scale(), unit);
+    const auto c = pair_constants<Real>(physics, first_fluid, unit);
+    const auto k = factors<Real>(physics, first_fluid, kernel.scale(), unit);
+    const Mixture<Real> mixture(physics, kernel.scale(), unit);
     const bool mixed = physics.mixed(), variable = physics.viscoplastic();
-    const Packed* records = neighbors.records().data();
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
     const std::size_t planes = mirror.size(), fluids = physics.fluids.size();
     const PlaneMask any_plane = (PlaneMask(1) << planes) - 1;
@@ -105,13 +107,13 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
 
 #pragma omp parallel
     {
-        std::vector<OfWall> met;
+        std::vector<OfWall<Real>> met;
 #pragma omp for schedule(dynamic, 32)
         for (int cluster = 0; cluster < clusters; ++cluster) {
             const int first = cluster * lanes, members = std::min(lanes, n - first);
-            Lanes i = load_cluster(records, first, n);
+            Lanes<Real> i = load_cluster(records, first, n);
             Vec3* force = &part[cluster * all];
-            const auto add = [&](PlaneMask mask, int body, float8 ax, float8 ay, float8 az) {
+            const auto add = [&](PlaneMask mask, int body, Wide ax, Wide ay, Wide az) {
                 double a[FluidTag::most][3] = {};
                 for (int lane = 0; lane < members; ++lane) {
                     double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
@@ -135,7 +137,7 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                     for (int b = 0; b < 3; ++b)
                         force[w * fluids + f][b] -= physics.fluids[f].mass * a[f][b];
             };
-            const auto add_shear = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
+            const auto add_shear = [&](PlaneMask mask, Wide ax, Wide ay, Wide az) {
                 std::size_t plane = 0;  // the first of those that hold the fluid
                 while (!(mask >> plane & 1) ||
                        mirror.plane(static_cast<int>(plane)).slip != Slip::no_slip)
@@ -154,8 +156,8 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                                                              bodies, any_plane, met, add);
                 continue;
             }
-            MixedLanes m;
-            look_up(mixture, records, variable ? neighbors.viscosity().data() : nullptr, first, n,
+            MixedLanes<Real> m;
+            look_up(mixture, records, variable ? neighbors.viscosity_in<Real>().data() : nullptr, first, n,
                     i.own, m);
             if (variable)
                 for_each_shear<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
@@ -166,7 +168,7 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                                                             neighbors, no_slip, cluster, met,
                                                             add_shear);
             if (physics.sized()) {
-                const OwnSize own_size(physics, &neighbors.smoothing(), first, n);
+                const OwnSize<Real> own_size(physics, &neighbors.smoothing_in<Real>(), first, n);
                 if (variable)
                     for_each_wall<KernelLaw, Content::viscoplastic, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
@@ -200,7 +202,9 @@ std::vector<Vec3> wall_forces(const PairPhysics& physics, const Neighborhood& ne
                               const MirrorPlanes& mirror, const Bodies& bodies,
                               const NoSlipImages& no_slip) {
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        return force_on_walls(kernel, physics, neighbors, mirror, bodies, no_slip);
+        return neighbors.exact().used
+                   ? force_on_walls<double>(kernel, physics, neighbors, mirror, bodies, no_slip)
+                   : force_on_walls<float>(kernel, physics, neighbors, mirror, bodies, no_slip);
     });
 }
 

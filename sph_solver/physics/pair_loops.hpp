@@ -1,35 +1,46 @@
-#include "sph_solver/physics/pair_sums.hpp"
+#pragma once
+// The loops over clusters and their lists in the precision Real; pair_sums_float.cpp and
+// pair_sums_double.cpp each compile one.
 
 #include <vector>
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/physics/gradient_correction.hpp"
 #include "sph_solver/physics/pair_clusters.hpp"
+#include "sph_solver/physics/pair_sums.hpp"
 
 namespace undertow::sph {
 
+/// sum_over_neighbors in one precision; records of the other are not looked at.
+template <class Real>
+void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoSlipImages& no_slip,
+            Terms terms, Particles& particles, ShearRate shear_rate);
+
 namespace {
 
-inline void store(float* a, float8 value) { __builtin_memcpy(a, &value, sizeof value); }
+template <class Real>
+inline void store(Real* a, Eight<Real> value) { __builtin_memcpy(a, &value, sizeof value); }
 
-template <Terms terms, class OfOwn>
-void store_results(const Factors<float, OfOwn>& k, float8 volume, const PairSums<float8>& sum,
+template <Terms terms, class Real, class OfOwn>
+void store_results(const Factors<Real, OfOwn>& k, Eight<Real> volume,
+                   const PairSums<Eight<Real>>& sum,
                    int first, Particles& particles) {
-    const float8 per_rho = volume * k.per_mass;
+    const Eight<Real> per_rho = volume * k.per_mass;
     if constexpr (terms != Terms::force)
-        store(&particles.drho_dt[first], density_rate(k, per_rho, sum));
+        store(particles.drho_dt.data<Real>() + first, density_rate(k, per_rho, sum));
     if constexpr (terms != Terms::rate) {
-        float8 ax, ay, az;
+        Eight<Real> ax, ay, az;
         acceleration(k, per_rho, sum, ax, ay, az);
-        store(&particles.ax[first], ax);
-        store(&particles.ay[first], ay);
-        store(&particles.az[first], az);
+        store(particles.ax.data<Real>() + first, ax);
+        store(particles.ay.data<Real>() + first, ay);
+        store(particles.az.data<Real>() + first, az);
     }
 }
 
 /// Viscosities of the next step, of the viscoplastic ones among the eight.
-void take_shear_rate(const PairPhysics& physics, const Packed* records, int first, int members,
-                     float8 rate, Particles& particles) {
+template <class AnyRecord>
+void take_shear_rate(const PairPhysics& physics, const AnyRecord* records, int first, int members,
+                     Eight<typename AnyRecord::Real> rate, Particles& particles) {
     for (int lane = 0; lane < members; ++lane) {
         const FluidLaw& fluid = physics.fluids[FluidTag::of(records[first + lane])];
         if (!fluid.viscoplastic()) continue;
@@ -38,41 +49,44 @@ void take_shear_rate(const PairPhysics& physics, const Packed* records, int firs
     }
 }
 
-void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, float gradient,
-                     const ShearSums<float8>& shear, int first, Particles& particles) {
-    const auto to_moment = static_cast<float>(gradient * neighbors.fixed().unit);
-    take_shear_rate(physics, neighbors.records().data(), first,
+template <class Real>
+void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, Real gradient,
+                     const ShearSums<Eight<Real>>& shear, int first, Particles& particles) {
+    const auto to_moment = static_cast<Real>(gradient * neighbors.unit_in<Real>());
+    take_shear_rate(physics, neighbors.records_in<Real>().data(), first,
                     std::min(lanes, neighbors.fluid_count() - first),
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
-template <class KernelLaw, Terms terms, Gradient gradient, Content content = Content::one_fluid>
-inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<float>& c,
-                             const Factors<float>& k,
+template <class Real, class KernelLaw, Terms terms, Gradient gradient,
+          Content content = Content::one_fluid>
+inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Real>& c,
+                             const Factors<Real>& k,
                              const Neighborhood& neighbors, const NoSlipImages& no_slip,
                              int cluster, Particles& particles) {
+    using Wide = Eight<Real>;
     constexpr bool variable = variable_viscosity(content);
-    const Packed* records = neighbors.records().data();
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const Record<Real>* records = neighbors.records_in<Real>().data();
+    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
-    Lanes i = load_cluster(records, first, n);
+    Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     if constexpr (variable)
         for (int lane = 0; lane < lanes; ++lane)
             i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
-    const Meeting<float8>* no_tables = nullptr;
-    const PairSize<float8>* no_sizes = nullptr;
-    Symmetric<float8> correction;
-    if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
-    PairSums<float8> sum;
-    ShearSums<float8> shear;
+    const Meeting<Wide>* no_tables = nullptr;
+    const PairSize<Wide>* no_sizes = nullptr;
+    Symmetric<Wide> correction;
+    if constexpr (gradient == Gradient::corrected) correction = correction_of<Real>(neighbors, cluster);
+    PairSums<Wide> sum;
+    ShearSums<Wide> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
-        const Packed& j = records[*at];
-        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const Record<Real>& j = records[*at];
+        const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         add_pair<KernelLaw, terms, content, false, gradient>(c, i.own, dx, dy, dz, j, sum,
-                                                             no_tables, variable ? mu[*at] : 0.0f,
+                                                             no_tables, variable ? mu[*at] : Real(0),
                                                              &shear, no_sizes, &correction);
     }
     if constexpr (terms != Terms::rate)
@@ -84,51 +98,53 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<flo
         take_shear_rate(physics, neighbors, k.gradient, shear, first, particles);
 }
 
-template <class KernelLaw, Terms terms, Gradient gradient>
+template <class Real, class KernelLaw, Terms terms, Gradient gradient>
 void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                   const Neighborhood& neighbors, const NoSlipImages& no_slip,
                   Particles& particles) {
-    const double unit = neighbors.fixed().unit;
+    const double unit = neighbors.unit_in<Real>();
     const FluidLaw& fluid = physics.fluids[0];
-    const auto c = pair_constants<float>(physics, fluid, unit);
-    const auto k = factors<float>(physics, fluid, kernel.scale(), unit);
+    const auto c = pair_constants<Real>(physics, fluid, unit);
+    const auto k = factors<Real>(physics, fluid, kernel.scale(), unit);
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip, cluster,
+        sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip, cluster,
                                                      particles);
 }
 
-template <class KernelLaw, Terms terms, Gradient gradient, Content content, bool sized = false>
-void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture,
+template <class Real, class KernelLaw, Terms terms, Gradient gradient, Content content,
+          bool sized = false>
+void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip,
                               int cluster, Particles& particles) {
+    using Wide = Eight<Real>;
     constexpr bool variable = variable_viscosity(content);
-    const Packed* records = neighbors.records().data();
-    const float* mu = variable ? neighbors.viscosity().data() : nullptr;
+    const Record<Real>* records = neighbors.records_in<Real>().data();
+    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
-    Lanes i = load_cluster(records, first, n);
+    Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
-    MixedLanes m;
+    MixedLanes<Real> m;
     look_up(mixture, records, mu, first, n, i.own, m);
-    const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
-    Symmetric<float8> correction;
-    if constexpr (gradient == Gradient::corrected) correction = correction_of(neighbors, cluster);
-    PairSums<float8> sum;
-    ShearSums<float8> shear;
+    const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr, first, n);
+    Symmetric<Wide> correction;
+    if constexpr (gradient == Gradient::corrected) correction = correction_of<Real>(neighbors, cluster);
+    PairSums<Wide> sum;
+    ShearSums<Wide> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
-        const Packed& j = records[*at];
-        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        const auto add = [&](const PairSize<float8>* size) __attribute__((always_inline)) {
+        const Record<Real>& j = records[*at];
+        const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const auto add = [&](const PairSize<Wide>* size) __attribute__((always_inline)) {
             add_pair<KernelLaw, terms, content, sized, gradient>(mixture.constants, i.own, dx, dy, dz, j, sum,
                                                        &m.with[FluidTag::of(j)],
-                                                       variable ? mu[*at] : 0.0f, &shear, size,
+                                                       variable ? mu[*at] : Real(0), &shear, size,
                                                        &correction);
         };
         if constexpr (sized) {
-            const PairSize<float8> size = own_size.with(*at);
+            const PairSize<Wide> size = own_size.with(*at);
             add(&size);
         } else {
             add(nullptr);
@@ -145,17 +161,17 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<float>& mixture
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
 /// no other.
-template <class KernelLaw, Terms terms, Gradient gradient>
+template <class Real, class KernelLaw, Terms terms, Gradient gradient>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
                         ShearRate shear_rate, Particles& particles) {
-    const double unit = neighbors.fixed().unit;
-    const Mixture<float> mixture(physics, kernel.scale(), unit);
-    PairConstants<float> c[FluidTag::most];
-    Factors<float> k[FluidTag::most];
+    const double unit = neighbors.unit_in<Real>();
+    const Mixture<Real> mixture(physics, kernel.scale(), unit);
+    PairConstants<Real> c[FluidTag::most];
+    Factors<Real> k[FluidTag::most];
     for (std::size_t f = 0; f < physics.fluids.size(); ++f) {
-        c[f] = pair_constants<float>(physics, physics.fluids[f], unit);
-        k[f] = factors<float>(physics, physics.fluids[f],
+        c[f] = pair_constants<Real>(physics, physics.fluids[f], unit);
+        k[f] = factors<Real>(physics, physics.fluids[f],
                               scale_of(physics, physics.fluids[f], kernel.scale()), unit);
         if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;   // mu is in the sums
     }
@@ -168,82 +184,82 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         const Content content = content_of(held, met, terms);
         if (sized && (physics.variable_smoothing || content != Content::one_fluid)) {
             if (terms == Terms::rate || !physics.viscoplastic())
-                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, Content::several, true>(
+                sum_mixed_cluster<Real, KernelLaw, terms, Gradient::plain, Content::several, true>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
             else if constexpr (terms != Terms::rate)
-                sum_mixed_cluster<KernelLaw, terms, Gradient::plain, Content::sheared, true>(
+                sum_mixed_cluster<Real, KernelLaw, terms, Gradient::plain, Content::sheared, true>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
             continue;
         }
         switch (content) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
+                sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
                                                              no_slip, cluster, particles);
                 break;
             }
             case Content::one_viscoplastic: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_viscoplastic>(
+                sum_pure_cluster<Real, KernelLaw, terms, gradient, Content::one_viscoplastic>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::one_sheared: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<KernelLaw, terms, gradient, Content::one_sheared>(
+                sum_pure_cluster<Real, KernelLaw, terms, gradient, Content::one_sheared>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::several:
-                sum_mixed_cluster<KernelLaw, terms, gradient, Content::several>(
+                sum_mixed_cluster<Real, KernelLaw, terms, gradient, Content::several>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::viscoplastic:
-                sum_mixed_cluster<KernelLaw, terms, gradient, Content::viscoplastic>(
+                sum_mixed_cluster<Real, KernelLaw, terms, gradient, Content::viscoplastic>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::sheared:
-                sum_mixed_cluster<KernelLaw, terms, gradient, Content::sheared>(
+                sum_mixed_cluster<Real, KernelLaw, terms, gradient, Content::sheared>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
         }
     }
 }
 
-template <Terms terms, Gradient gradient, class KernelLaw>
+template <class Real, Terms terms, Gradient gradient, class KernelLaw>
 void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if (physics.mixed())
-        sum_mixed_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
+        sum_mixed_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
                                                        shear_rate, particles);
     else
-        sum_clusters<KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip, particles);
+        sum_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip, particles);
 }
 
-template <Terms terms, class KernelLaw>
+template <class Real, Terms terms, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if constexpr (terms != Terms::force)
         if (physics.gradient_correction) {
-            sum_with<terms, Gradient::corrected>(kernel, physics, neighbors, no_slip, shear_rate,
+            sum_with<Real, terms, Gradient::corrected>(kernel, physics, neighbors, no_slip, shear_rate,
                                                  particles);
             return;
         }
-    sum_with<terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+    sum_with<Real, terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate, particles);
 }
 
 }  // namespace
 
-void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
-                        const NoSlipImages& no_slip, Terms terms, Particles& particles,
-                        ShearRate shear_rate) {
+template <class Real>
+void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoSlipImages& no_slip,
+            Terms terms, Particles& particles, ShearRate shear_rate) {
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
         if (terms == Terms::both)
-            sum_all<Terms::both>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+            sum_all<Real, Terms::both>(kernel, physics, neighbors, no_slip, shear_rate, particles);
         else if (terms == Terms::rate)
-            sum_all<Terms::rate>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+            sum_all<Real, Terms::rate>(kernel, physics, neighbors, no_slip, shear_rate, particles);
         else
-            sum_all<Terms::force>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+            sum_all<Real, Terms::force>(kernel, physics, neighbors, no_slip, shear_rate, particles);
     });
 }
 
