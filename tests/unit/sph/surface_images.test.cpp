@@ -221,7 +221,7 @@ TEST_CASE("who leaves the surface comes back from his lift, and touches where he
     CHECK(fluid.contact_velocity(i)[2] - p.vz[i] == Approx(lift / tau));
     for (int n = 0; n < 100; ++n) {
         fluid.sum_over_neighbors(Terms::force);
-        std::fill(p.az.begin(), p.az.end(), 0.0f);
+        for (std::size_t i = 0; i < p.az.size(); ++i) p.az.set(i, 0);
         fluid.kick_and_drift(tau / 10, 0, 0, false);
     }
     CHECK(p.z[i] - fluid.contact_point(i)[2] == Approx(0).margin(1e-3 * lift));
