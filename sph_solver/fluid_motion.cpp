@@ -8,17 +8,24 @@
 namespace undertow::sph {
 
 void FluidSystem::advance_density(double dt) {
+    neighbors_.exact().used ? advance_density_in<double>(dt) : advance_density_in<float>(dt);
+}
+
+/// Real: of the sums.
+template <class Real>
+void FluidSystem::advance_density_in(double dt) {
+    const Real* rate = particles.drho_dt.data<Real>();
     const bool heated = heated_;
     const int n = static_cast<int>(particles.size());
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
-        const double drho = dt * particles.drho_dt[i];
+        const double drho = dt * rate[i];
         if (heated)
             particles.energy[i] += fluid_of(i).compression_work(particles.p[i], particles.drho[i],
                                                                 particles.energy[i], drho);
         particles.drho[i] += drho;
         // a switch to one pass would start from this rate
-        particles.rate_before[i] = particles.drho_dt[i];
+        particles.rate_before[i] = rate[i];
     }
 }
 

@@ -148,6 +148,8 @@ class FluidSystem {
     void pack_extras_exactly(bool of_bodies);
     ExactRecord shown_by(const Extra& extra, const FluidLaw& fluid) const;
     template <class Real>
+    void advance_density_in(double dt);
+    template <class Real>
     Health kick_and_drift_in(double dt, double dt_before, double dt_before_that, bool extrapolate);
     bool lists_hold();
     void find_near_planes();
