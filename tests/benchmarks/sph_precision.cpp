@@ -1,8 +1,8 @@
 // Where sums in float lose their digits: sph.precision = "float" against "double" for one and the
 // same state, a cube of N^3 particles disordered by 0.15 dx.
 //
-//   domain  a lone particle D spacings away: the fixed point of positions has 2^30 units for the scene
-//   depth   the cube under H spacings of water: forces are differences of pressures rho g H
+//   domain  a lone particle D spacings away: the fixed point of positions has 2^30 units for the
+//   scene depth   the cube under H spacings of water: forces are differences of pressures rho g H
 //   speed   the cube moves as a whole: rates are differences of velocities
 //
 //   bench_sph_precision [N]      default 16
@@ -57,8 +57,7 @@ FluidSystem sums(int n, const State& state, Precision precision) {
         p.vx[i] = 0.1 * in(random) + state.speed;
         p.vy[i] = 0.1 * in(random);
         p.vz[i] = 0.1 * in(random);
-        p.drho[i] =
-            fluid.fluid().deviation_at(1000 * g * (state.depth * dx + n * dx - p.z[i]));
+        p.drho[i] = fluid.fluid().deviation_at(1000 * g * (state.depth * dx + n * dx - p.z[i]));
     }
     if (state.domain > 0) p.x[0] -= state.domain * dx;
     fluid.refresh_neighbors(0);
@@ -82,8 +81,7 @@ void compare(const char* name, double value, int n, const State& state) {
     const double count = double(p.size());
     std::printf("%-7s %9.3g | a: %.2e g of %.2e g | d(rho)/dt: %.2e of %.2e kg/m3/s, %.2e\n", name,
                 value, std::sqrt(a / count) / g, std::sqrt(a_all / count) / g,
-                std::sqrt(rate / count), std::sqrt(rate_all / count),
-                std::sqrt(rate / rate_all));
+                std::sqrt(rate / count), std::sqrt(rate_all / count), std::sqrt(rate / rate_all));
 }
 
 }  // namespace

@@ -64,8 +64,7 @@ const Scene all_scenes[] = {
          c.sph.tension_control = TensionControl::switched;
      },
      1e-3},  // who counts as at the surface may depend on the last digit
-    {"heated",
-     [](Case& c) { c.sph.fluid[0].gruneisen = 0.5; }, 1e-4},
+    {"heated", [](Case& c) { c.sph.fluid[0].gruneisen = 0.5; }, 1e-4},
     {"sizes that follow density", [](Case& c) { c.sph.variable_smoothing = true; }, 1e-4},
     {"periodic",
      [](Case& c) {
@@ -135,8 +134,7 @@ TEST_CASE("whatever a scene asks for, a run in float follows the one in double")
         for (std::size_t w = 0; w < exact.force.size(); ++w)
             for (int a = 0; a < 3; ++a) {
                 largest = std::max(largest, std::abs(exact.force[w][a]));
-                difference =
-                    std::max(difference, std::abs(exact.force[w][a] - close.force[w][a]));
+                difference = std::max(difference, std::abs(exact.force[w][a] - close.force[w][a]));
             }
         CAPTURE(difference / largest);
         CHECK(largest > 1);  // [N]
@@ -182,7 +180,8 @@ double change(const FluidSystem& one, const FluidSystem& two) {
 
 }  // namespace
 
-TEST_CASE("in double a common speed of 1000 m/s leaves sums as they are; float loses a digit each") {
+TEST_CASE(
+    "in double a common speed of 1000 m/s leaves sums as they are; float loses a digit each") {
     const FluidSystem still = blob(Precision::float64, 0, 1);
     CHECK(change(still, blob(Precision::float64, 1000, 1)) < 1e-11);  // 1000 eps over 1 m/s
     const double lost = change(blob(Precision::float32, 0, 1), blob(Precision::float32, 1000, 1));
@@ -203,8 +202,8 @@ TEST_CASE("what is computed in float only is refused next to double") {
     Case c = scenes::water_box(0.01, {0.1, 0.1, 0.1});
     c.sph.precision = Precision::float64;
     c.sph.viscosity_solver = ViscositySolver::implicit;
-    CHECK_THROWS_WITH(FluidSystem(c, 0.2), Catch::Contains("sph.precision") &&
-                                               Catch::Contains("sph.viscosity_solver"));
+    CHECK_THROWS_WITH(FluidSystem(c, 0.2),
+                      Catch::Contains("sph.precision") && Catch::Contains("sph.viscosity_solver"));
     c.sph.viscosity_solver = ViscositySolver::explicit_sums;
     CHECK_NOTHROW(FluidSystem(c, 0.2));
 }
