@@ -171,8 +171,7 @@ void FluidSystem::pack_fluid_exactly() {
         exact.records[i] = {s.x[i],  s.y[i],  s.z[i],  tag_.exact(volume, s.fluid[i]),
                             s.vx[i], s.vy[i], s.vz[i], s.p[i]};
         if (!s.viscosity.empty()) exact.viscosity[i] = s.viscosity[i];
-        if (sizes_.variable())
-            exact.smoothing[i] = sizes_.now<double>(i, s.fluid[i], s.drho[i]);
+        if (sizes_.variable()) exact.smoothing[i] = sizes_.now<double>(i, s.fluid[i], s.drho[i]);
     }
 }
 

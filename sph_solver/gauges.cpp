@@ -51,13 +51,12 @@ bool has_neighbor(const FluidSystem& fluid, std::size_t i) {
 }  // namespace
 
 PointValue interpolate(const FluidSystem& fluid, const Vec3& point) {
-    return with_kernel(
-        fluid.physics().kernel, fluid.physics().h, fluid.physics().dimension,
-        [&](const auto& kernel) {
-            return fluid.neighbors().exact().used
-                       ? interpolate_with<double>(kernel, fluid, point)
-                       : interpolate_with<float>(kernel, fluid, point);
-        });
+    return with_kernel(fluid.physics().kernel, fluid.physics().h, fluid.physics().dimension,
+                       [&](const auto& kernel) {
+                           return fluid.neighbors().exact().used
+                                      ? interpolate_with<double>(kernel, fluid, point)
+                                      : interpolate_with<float>(kernel, fluid, point);
+                       });
 }
 
 double front_position(const FluidSystem& fluid, const Vec3& direction) {

@@ -27,10 +27,10 @@ struct Particles {
                                        // full clusters, or empty where no fluid is viscoplastic
 
     // results of the pair sums
-    Summed ax, ay, az;                 // acceleration without gravity and contact [m/s2]
-    Summed drho_dt;                    // continuity + density diffusion [kg/m3/s]
-    std::vector<double> shear_rate;    // sqrt(2 D:D) [1/s]; as viscosity, and only where a particle
-                                       // of a viscoplastic fluid is near
+    Summed ax, ay, az;               // acceleration without gravity and contact [m/s2]
+    Summed drho_dt;                  // continuity + density diffusion [kg/m3/s]
+    std::vector<double> shear_rate;  // sqrt(2 D:D) [1/s]; as viscosity, and only where a particle
+                                     // of a viscoplastic fluid is near
 
     std::size_t size() const { return x.size(); }
 
@@ -75,18 +75,19 @@ struct alignas(32) Packed {
 /// The same in double precision: 64 bytes. Lists, openings' and gauges' searches go by the others.
 struct alignas(64) ExactRecord {
     using Real = double;
-    double x, y, z;         // position [m]
-    double volume;          // [m^d]; its last bits are a FluidTag
-    double vx, vy, vz;      // [m/s]
-    double p;               // [Pa]
+    double x, y, z;     // position [m]
+    double volume;      // [m^d]; its last bits are a FluidTag
+    double vx, vy, vz;  // [m/s]
+    double p;           // [Pa]
 };
 
 /// The record that sums in a precision read.
 template <class Real>
 using Record = std::conditional_t<std::is_same_v<Real, float>, Packed, ExactRecord>;
 
-/// The index of the fluid in the last bits of a record's volume: 4e-7 of it, and the pair loop needs
-/// no member more (1e-15 of an ExactRecord's). One Newtonian fluid alone has no tag and keeps its volume to the last bit.
+/// The index of the fluid in the last bits of a record's volume: 4e-7 of it, and the pair loop
+/// needs no member more (1e-15 of an ExactRecord's). One Newtonian fluid alone has no tag and keeps
+/// its volume to the last bit.
 class FluidTag {
  public:
     static constexpr std::uint32_t mask = 7;

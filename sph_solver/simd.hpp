@@ -1,7 +1,7 @@
 #pragma once
-// Eight floats or doubles as one value: the lanes are the eight particles of a cluster. The same pair
-// physics is instantiated with float8 (fast), double8 (sph.precision = "double"), and with double
-// (reference).
+// Eight floats or doubles as one value: the lanes are the eight particles of a cluster. The same
+// pair physics is instantiated with float8 (fast), double8 (sph.precision = "double"), and with
+// double (reference).
 
 #include <cmath>
 #include <cstdint>
@@ -74,8 +74,12 @@ inline double8 square_root(double8 a) {
     for (int k = 0; k < lanes; ++k) a[k] = std::sqrt(a[k]);
     return a;
 }
-inline double8 positive_part(double8 a) { return a > 0 ? a : double8{}; }
-inline double8 negative_part(double8 a) { return a < 0 ? a : double8{}; }
+inline double8 positive_part(double8 a) {
+    return a > 0 ? a : double8{};
+}
+inline double8 negative_part(double8 a) {
+    return a < 0 ? a : double8{};
+}
 #endif
 
 /// 1/a to 14 bits where the processor has it: used in the artificial viscosity and in mean viscosities,
@@ -85,7 +89,9 @@ inline float8 reciprocal(float8 a) { return (float8)_mm256_rcp14_ps((__m256)a); 
 #else
 inline float8 reciprocal(float8 a) { return 1.0f / a; }
 #endif
-inline double8 reciprocal(double8 a) { return 1.0 / a; }
+inline double8 reciprocal(double8 a) {
+    return 1.0 / a;
+}
 
 /// 1/a to round-off, without the divider: the reciprocal and one step of Newton's method.
 #if defined(__AVX512VL__)
@@ -96,7 +102,9 @@ inline float8 precise_reciprocal(float8 a) {
 #else
 inline float8 precise_reciprocal(float8 a) { return 1.0f / a; }
 #endif
-inline double8 precise_reciprocal(double8 a) { return 1.0 / a; }
+inline double8 precise_reciprocal(double8 a) {
+    return 1.0 / a;
+}
 inline float precise_reciprocal(float a) { return 1 / a; }
 inline double precise_reciprocal(double a) { return 1 / a; }
 
@@ -106,9 +114,13 @@ inline float sum_of_lanes(float8 a) {
 
 /// Differences of fixed-point positions are exact in int32; only then they become floating point.
 inline float8 to_real(int8 a) { return __builtin_convertvector(a, float8); }
-inline double8 to_real(double8 a) { return a; }
+inline double8 to_real(double8 a) {
+    return a;
+}
 inline float to_real(std::int32_t a, float) { return static_cast<float>(a); }
 inline double to_real(std::int32_t a, double) { return static_cast<double>(a); }
-inline double to_real(double a, double) { return a; }
+inline double to_real(double a, double) {
+    return a;
+}
 
 }  // namespace undertow::sph

@@ -61,11 +61,10 @@ void NoSlipImages::pack_as(const Neighborhood& neighbors, const MirrorPlanes& mi
         const Real v[3] = {from.vx, from.vy, from.vz};
         Real shown[3];
         for (int a = 0; a < 3; ++a)
-            shown[a] =
-                static_cast<Real>(image.shown.wall[a]) +
-                image.shown.sign *
-                    (static_cast<Real>(m[a][0]) * v[0] + static_cast<Real>(m[a][1]) * v[1] +
-                     static_cast<Real>(m[a][2]) * v[2]);
+            shown[a] = static_cast<Real>(image.shown.wall[a]) +
+                       image.shown.sign *
+                           (static_cast<Real>(m[a][0]) * v[0] + static_cast<Real>(m[a][1]) * v[1] +
+                            static_cast<Real>(m[a][2]) * v[2]);
         change[k] = {shown[0] - free.vx, shown[1] - free.vy, shown[2] - free.vz};
     }
 }

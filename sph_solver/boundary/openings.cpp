@@ -412,8 +412,7 @@ void Openings::prescribe(double t, double dt, double kick, const Vec3& gravity,
         }
         Summed* const a[3] = {&p.ax, &p.ay, &p.az};
         const double v[3] = {p.vx[i], p.vy[i], p.vz[i]}, f[3] = {p.fx[i], p.fy[i], p.fz[i]};
-        for (int c = 0; c < 3; ++c)
-            a[c]->set(i, (m.next[c] - v[c]) / kick - f[c] - gravity[c]);
+        for (int c = 0; c < 3; ++c) a[c]->set(i, (m.next[c] - v[c]) / kick - f[c] - gravity[c]);
     }
 }
 

@@ -377,8 +377,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                      level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
         const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
         const double pair_mu =
-            variable ? harmonic_mean(viscosity(a), viscosity(b))
-                     : mu[of_a][of_b];
+            variable ? harmonic_mean(viscosity(a), viscosity(b)) : mu[of_a][of_b];
         const double laminar = per_moment * pair_mu * F;
         const double mean = p.p[a] + p.p[b] + viscous;
         const double gn_a = dot(weight[of_a], n), gn_b = dot(weight[of_b], n);

@@ -83,7 +83,7 @@ void Neighborhood::sort(Particles& particles) {
             scratch_byte_[k] = p.fluid[from];
             if (viscous)
                 scratch_viscous_[2 * std::size_t(k)] = p.viscosity[from],
-                scratch_viscous_[2 * std::size_t(k) + 1] = p.shear_rate[from];
+                                     scratch_viscous_[2 * std::size_t(k) + 1] = p.shear_rate[from];
         }
 #pragma omp for schedule(static)
         for (int k = 0; k < n; ++k) {

@@ -14,12 +14,13 @@
 
 namespace undertow::sph {
 
-/// What sums over neighbors in double precision read in place of the float arrays of the same names.
+/// What sums over neighbors in double precision read in place of the float arrays of the same
+/// names.
 struct ExactShown {
-    bool used = false;                  // sph.precision = "double"; else all are empty
-    std::vector<ExactRecord> records;   // [records]
-    std::vector<double> viscosity;      // [Pa s], [records]
-    std::vector<double> smoothing;      // [m], [records]
+    bool used = false;                 // sph.precision = "double"; else all are empty
+    std::vector<ExactRecord> records;  // [records]
+    std::vector<double> viscosity;     // [Pa s], [records]
+    std::vector<double> smoothing;     // [m], [records]
     std::vector<double> gradient_correction;
 };
 

@@ -39,13 +39,12 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, Neighborhood& nei
 }  // namespace
 
 void find_gradient_correction(const PairPhysics& physics, Neighborhood& neighbors) {
-    with_kernel(physics.kernel, physics.h, physics.dimension,
-                [&](const auto& kernel) {
-                    if (neighbors.exact().used)
-                        find(kernel, physics, neighbors, neighbors.exact().gradient_correction);
-                    else
-                        find(kernel, physics, neighbors, neighbors.gradient_correction());
-                });
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        if (neighbors.exact().used)
+            find(kernel, physics, neighbors, neighbors.exact().gradient_correction);
+        else
+            find(kernel, physics, neighbors, neighbors.gradient_correction());
+    });
 }
 
 }  // namespace undertow::sph

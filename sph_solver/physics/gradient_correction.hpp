@@ -19,8 +19,9 @@ void find_gradient_correction(const PairPhysics& physics, Neighborhood& neighbor
 template <class Real>
 Symmetric<Eight<Real>> correction_of(const Neighborhood& neighbors, int cluster) {
     Symmetric<Eight<Real>> m;
-    __builtin_memcpy(
-        static_cast<void*>(&m), &neighbors.gradient_correction_in<Real>()[std::size_t(cluster) * 6 * lanes], sizeof m);
+    __builtin_memcpy(static_cast<void*>(&m),
+                     &neighbors.gradient_correction_in<Real>()[std::size_t(cluster) * 6 * lanes],
+                     sizeof m);
     return m;
 }
 

@@ -25,7 +25,8 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
         Lanes<Real> i = load_cluster(records, first, n);
         MixedLanes<Real> m;
         look_up(mixture, records, mu, first, n, i.own, m, mixed);
-        const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr, first, n);
+        const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr,
+                                     first, n);
         Wide shock{}, shear{};
         for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
             const Record<Real>& j = records[*at];
@@ -58,13 +59,12 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
 
 void dissipation(const PairPhysics& physics, const Neighborhood& neighbors,
                  std::vector<double>& heating) {
-    with_kernel(physics.kernel, physics.h, physics.dimension,
-                [&](const auto& kernel) {
-                    if (neighbors.exact().used)
-                        sum<double>(kernel, physics, neighbors, heating);
-                    else
-                        sum<float>(kernel, physics, neighbors, heating);
-                });
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        if (neighbors.exact().used)
+            sum<double>(kernel, physics, neighbors, heating);
+        else
+            sum<float>(kernel, physics, neighbors, heating);
+    });
 }
 
 }  // namespace undertow::sph

@@ -83,7 +83,9 @@ class OwnSize {
         of_ = smoothing->data();
         for (int k = 0; k < lanes; ++k) own_[k] = of_[std::min(first + k, last - 1)] * per_length_;
     }
-    PairSize<Eight<Real>> with(int record) const { return {own_, of_[record] * per_length_, flat_}; }
+    PairSize<Eight<Real>> with(int record) const {
+        return {own_, of_[record] * per_length_, flat_};
+    }
 
  private:
     bool flat_;
@@ -97,8 +99,7 @@ template <class KernelLaw, Content content, class Real>
 inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i,
                               const NoSlipImages::Change<Real>& v, const Record<Real>& j,
                               const Meeting<Eight<Real>>* with, Real mu_j,
-                              PairSums<Eight<Real>>& sum,
-                              ShearSums<Eight<Real>>* shear = nullptr) {
+                              PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
     using Wide = Eight<Real>;
     const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
     const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
@@ -124,10 +125,9 @@ inline void add_no_slip(const PairConstants<Real>& c, const Lanes<Real>& i,
                         PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
     constexpr bool variable = variable_viscosity(content);
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
-        add_no_slip_image<KernelLaw, content, Real>(c, i, no_slip.change<Real>(at->image),
-                                                    records[at->record], with,
-                                                    variable ? mu[at->record] : Real(0), sum,
-                                                    shear);
+        add_no_slip_image<KernelLaw, content, Real>(
+            c, i, no_slip.change<Real>(at->image), records[at->record], with,
+            variable ? mu[at->record] : Real(0), sum, shear);
 }
 
 /// What the sums of a cluster must contain, from what it holds and meets.

@@ -19,12 +19,13 @@ void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoS
 namespace {
 
 template <class Real>
-inline void store(Real* a, Eight<Real> value) { __builtin_memcpy(a, &value, sizeof value); }
+inline void store(Real* a, Eight<Real> value) {
+    __builtin_memcpy(a, &value, sizeof value);
+}
 
 template <Terms terms, class Real, class OfOwn>
 void store_results(const Factors<Real, OfOwn>& k, Eight<Real> volume,
-                   const PairSums<Eight<Real>>& sum,
-                   int first, Particles& particles) {
+                   const PairSums<Eight<Real>>& sum, int first, Particles& particles) {
     const Eight<Real> per_rho = volume * k.per_mass;
     if constexpr (terms != Terms::force)
         store(particles.drho_dt.data<Real>() + first, density_rate(k, per_rho, sum));
@@ -61,9 +62,8 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
 template <class Real, class KernelLaw, Terms terms, Gradient gradient,
           Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Real>& c,
-                             const Factors<Real>& k,
-                             const Neighborhood& neighbors, const NoSlipImages& no_slip,
-                             int cluster, Particles& particles) {
+                             const Factors<Real>& k, const Neighborhood& neighbors,
+                             const NoSlipImages& no_slip, int cluster, Particles& particles) {
     using Wide = Eight<Real>;
     constexpr bool variable = variable_viscosity(content);
     const Record<Real>* records = neighbors.records_in<Real>().data();
@@ -73,21 +73,21 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Rea
     Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     if constexpr (variable)
-        for (int lane = 0; lane < lanes; ++lane)
-            i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
+        for (int lane = 0; lane < lanes; ++lane) i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
     const Meeting<Wide>* no_tables = nullptr;
     const PairSize<Wide>* no_sizes = nullptr;
     Symmetric<Wide> correction;
-    if constexpr (gradient == Gradient::corrected) correction = correction_of<Real>(neighbors, cluster);
+    if constexpr (gradient == Gradient::corrected)
+        correction = correction_of<Real>(neighbors, cluster);
     PairSums<Wide> sum;
     ShearSums<Wide> shear;
     const int* end = lists.end(cluster);
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Record<Real>& j = records[*at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content, false, gradient>(c, i.own, dx, dy, dz, j, sum,
-                                                             no_tables, variable ? mu[*at] : Real(0),
-                                                             &shear, no_sizes, &correction);
+        add_pair<KernelLaw, terms, content, false, gradient>(
+            c, i.own, dx, dy, dz, j, sum, no_tables, variable ? mu[*at] : Real(0), &shear, no_sizes,
+            &correction);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
@@ -109,15 +109,15 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip, cluster,
-                                                     particles);
+        sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip,
+                                                           cluster, particles);
 }
 
 template <class Real, class KernelLaw, Terms terms, Gradient gradient, Content content,
           bool sized = false>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
-                       const Neighborhood& neighbors, const NoSlipImages& no_slip,
-                              int cluster, Particles& particles) {
+                       const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
+                       Particles& particles) {
     using Wide = Eight<Real>;
     constexpr bool variable = variable_viscosity(content);
     const Record<Real>* records = neighbors.records_in<Real>().data();
@@ -128,9 +128,11 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     MixedLanes<Real> m;
     look_up(mixture, records, mu, first, n, i.own, m);
-    const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr, first, n);
+    const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr, first,
+                                 n);
     Symmetric<Wide> correction;
-    if constexpr (gradient == Gradient::corrected) correction = correction_of<Real>(neighbors, cluster);
+    if constexpr (gradient == Gradient::corrected)
+        correction = correction_of<Real>(neighbors, cluster);
     PairSums<Wide> sum;
     ShearSums<Wide> shear;
     const int* end = lists.end(cluster);
@@ -138,10 +140,9 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
         const Record<Real>& j = records[*at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const auto add = [&](const PairSize<Wide>* size) __attribute__((always_inline)) {
-            add_pair<KernelLaw, terms, content, sized, gradient>(mixture.constants, i.own, dx, dy, dz, j, sum,
-                                                       &m.with[FluidTag::of(j)],
-                                                       variable ? mu[*at] : Real(0), &shear, size,
-                                                       &correction);
+            add_pair<KernelLaw, terms, content, sized, gradient>(
+                mixture.constants, i.own, dx, dy, dz, j, sum, &m.with[FluidTag::of(j)],
+                variable ? mu[*at] : Real(0), &shear, size, &correction);
         };
         if constexpr (sized) {
             const PairSize<Wide> size = own_size.with(*at);
@@ -159,8 +160,8 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
         take_shear_rate(physics, neighbors, mixture.gradient, shear, first, particles);
 }
 
-/// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there were
-/// no other.
+/// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there
+/// were no other.
 template <class Real, class KernelLaw, Terms terms, Gradient gradient>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
@@ -172,8 +173,8 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     for (std::size_t f = 0; f < physics.fluids.size(); ++f) {
         c[f] = pair_constants<Real>(physics, physics.fluids[f], unit);
         k[f] = factors<Real>(physics, physics.fluids[f],
-                              scale_of(physics, physics.fluids[f], kernel.scale()), unit);
-        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;   // mu is in the sums
+                             scale_of(physics, physics.fluids[f], kernel.scale()), unit);
+        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;  // mu is in the sums
     }
     const ContentOf content_of(physics, shear_rate);
     const bool sized = physics.sized();
@@ -195,7 +196,7 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
             case Content::one_fluid: {
                 const int f = only_fluid(met);
                 sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
-                                                             no_slip, cluster, particles);
+                                                                   no_slip, cluster, particles);
                 break;
             }
             case Content::one_viscoplastic: {
@@ -228,12 +229,13 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
 
 template <class Real, Terms terms, Gradient gradient, class KernelLaw>
 void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
-             const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
+              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if (physics.mixed())
         sum_mixed_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
-                                                       shear_rate, particles);
+                                                             shear_rate, particles);
     else
-        sum_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip, particles);
+        sum_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
+                                                       particles);
 }
 
 template <class Real, Terms terms, class KernelLaw>
@@ -241,11 +243,12 @@ void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighbor
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if constexpr (terms != Terms::force)
         if (physics.gradient_correction) {
-            sum_with<Real, terms, Gradient::corrected>(kernel, physics, neighbors, no_slip, shear_rate,
-                                                 particles);
+            sum_with<Real, terms, Gradient::corrected>(kernel, physics, neighbors, no_slip,
+                                                       shear_rate, particles);
             return;
         }
-    sum_with<Real, terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+    sum_with<Real, terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate,
+                                           particles);
 }
 
 }  // namespace

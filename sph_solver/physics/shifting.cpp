@@ -171,13 +171,12 @@ void Shift::carry_density(Particles& p) const {
 
 void find_shift(const PairPhysics& physics, const Neighborhood& neighbors, double interval,
                 Shift& shift) {
-    with_kernel(physics.kernel, physics.h, physics.dimension,
-                [&](const auto& kernel) {
-                    if (neighbors.exact().used)
-                        find<double>(kernel, physics, neighbors, interval, shift);
-                    else
-                        find<float>(kernel, physics, neighbors, interval, shift);
-                });
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        if (neighbors.exact().used)
+            find<double>(kernel, physics, neighbors, interval, shift);
+        else
+            find<float>(kernel, physics, neighbors, interval, shift);
+    });
 }
 
 }  // namespace undertow::sph

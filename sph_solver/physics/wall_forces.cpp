@@ -22,8 +22,9 @@ struct OfWall {
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
 template <class KernelLaw, Content content, bool sized = false, class Real, class OfOwn, class F>
 void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
-                   const Lanes<Real>& i, const Meeting<Eight<Real>>* with, const Neighborhood& neighbors, int cluster,
-                   const Bodies& bodies, PlaneMask planes, std::vector<OfWall<Real>>& met, F&& f,
+                   const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
+                   const Neighborhood& neighbors, int cluster, const Bodies& bodies,
+                   PlaneMask planes, std::vector<OfWall<Real>>& met, F&& f,
                    const OwnSize<Real>* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
     const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
@@ -64,8 +65,9 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
 /// of free-slip ones: the walls' shear.
 template <class KernelLaw, Content content, class Real, class OfOwn, class F>
 void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
-                    const Lanes<Real>& i, const Meeting<Eight<Real>>* with, const Neighborhood& neighbors,
-                    const NoSlipImages& no_slip, int cluster, std::vector<OfWall<Real>>& met, F&& f) {
+                    const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
+                    const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
+                    std::vector<OfWall<Real>>& met, F&& f) {
     if (no_slip.empty()) return;
     constexpr bool variable = content == Content::viscoplastic;
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
@@ -157,8 +159,8 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 continue;
             }
             MixedLanes<Real> m;
-            look_up(mixture, records, variable ? neighbors.viscosity_in<Real>().data() : nullptr, first, n,
-                    i.own, m);
+            look_up(mixture, records, variable ? neighbors.viscosity_in<Real>().data() : nullptr,
+                    first, n, i.own, m);
             if (variable)
                 for_each_shear<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
                                                                  m.with, neighbors, no_slip,

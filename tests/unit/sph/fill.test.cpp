@@ -124,7 +124,7 @@ TEST_CASE("a held block stands still, follows its ramp and arrives where the cas
     const std::size_t mud = f.first_id[1], water = 0;
     const double x0 = p.x[mud], dt = 1e-3;
     const auto push = [&] {
-        for (std::size_t i = 0; i < p.ax.size(); ++i) p.ax.set(i, 3);   // whatever pushes
+        for (std::size_t i = 0; i < p.ax.size(); ++i) p.ax.set(i, 3);  // whatever pushes
     };
     double last_dt = 0, t = 0;
     for (int n = 0; t < 0.3 - 1e-9; ++n, t = n * dt, last_dt = dt) {

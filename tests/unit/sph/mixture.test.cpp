@@ -68,8 +68,8 @@ TEST_CASE("the fast sums over two fluids, in float and in double, agree with the
         GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
     const bool viscoplastic = GENERATE(false, true);
     const Precision precision = GENERATE(Precision::float32, Precision::float64);
-    FluidSystem fluid = disturbed_layers(kernel, GENERATE(2, 3), viscoplastic,
-                                         TensionControl::switched, precision);
+    FluidSystem fluid =
+        disturbed_layers(kernel, GENERATE(2, 3), viscoplastic, TensionControl::switched, precision);
     fluid.pack(0);
     const ReferenceSums exact = sum_over_neighbors_reference(fluid.physics(), fluid.neighbors());
     fluid.sum_over_neighbors(Terms::both);
@@ -90,7 +90,7 @@ TEST_CASE("the fast sums over two fluids, in float and in double, agree with the
         return;
     }
     CHECK(rate.error < 1e-5 * rate.value);
-    CHECK(a.error < 1e-4 * a.value);  // the 14-bit reciprocal of the artificial viscosity
+    CHECK(a.error < 1e-4 * a.value);           // the 14-bit reciprocal of the artificial viscosity
     CHECK(shear.error <= 1e-4 * shear.value);  // float32 through the inverse of a 3 x 3 matrix
 }
 

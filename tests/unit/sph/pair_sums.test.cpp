@@ -41,9 +41,9 @@ TEST_CASE("pair forces conserve momentum to round-off") {
         sum[0] += p.ax[i], sum[1] += p.ay[i], sum[2] += p.az[i];
         magnitude += std::abs(p.ax[i]) + std::abs(p.ay[i]) + std::abs(p.az[i]);
     }
-    // float32 sums of some 60 terms, and a 14-bit reciprocal that is the same for both of a pair only
-    // to 6e-5 of the artificial viscosity: random, so far below 1e-6 of the sum of magnitudes; in double
-    // round-off alone
+    // float32 sums of some 60 terms, and a 14-bit reciprocal that is the same for both of a pair
+    // only to 6e-5 of the artificial viscosity: random, so far below 1e-6 of the sum of magnitudes;
+    // in double round-off alone
     const double round_off = precision == Precision::float64 ? 1e-15 : 1e-6;
     for (const double s : sum) CHECK(std::abs(s) < round_off * magnitude);
 }
@@ -53,8 +53,8 @@ TEST_CASE("the fast sums, in float and in double, agree with the reference of on
         GENERATE(Kernel::wendland_c2, Kernel::wendland_c4, Kernel::cubic_spline);
     const Precision precision = GENERATE(Precision::float32, Precision::float64);
     const bool correction = GENERATE(false, true);
-    FluidSystem fluid = disturbed_blob(kernel, GENERATE(2, 3), TensionControl::switched, correction,
-                                       precision);
+    FluidSystem fluid =
+        disturbed_blob(kernel, GENERATE(2, 3), TensionControl::switched, correction, precision);
     fluid.sum_over_neighbors(Terms::both);
     const auto [rate, a, shear] = sum_over_neighbors_reference(fluid.physics(), fluid.neighbors());
     double largest_rate = 0, largest_a = 0, rate_error = 0, a_error = 0;
@@ -67,8 +67,8 @@ TEST_CASE("the fast sums, in float and in double, agree with the reference of on
             a_error = std::max(a_error, std::abs(a[i][k] - fast[k]));
         }
     }
-    REQUIRE(largest_a > 10);   // [m/s2] there is something to compare
-    if (precision == Precision::float64) {   // sums of some 60 terms in another order
+    REQUIRE(largest_a > 10);                // [m/s2] there is something to compare
+    if (precision == Precision::float64) {  // sums of some 60 terms in another order
         CHECK(rate_error < 1e-13 * largest_rate);
         CHECK(a_error < 1e-13 * largest_a);
         return;
@@ -79,9 +79,8 @@ TEST_CASE("the fast sums, in float and in double, agree with the reference of on
 }
 
 TEST_CASE("rate and force passes give together what the single pass gives") {
-    FluidSystem fluid =
-        disturbed_blob(Kernel::wendland_c2, 3, TensionControl::switched, false,
-                       GENERATE(Precision::float32, Precision::float64));
+    FluidSystem fluid = disturbed_blob(Kernel::wendland_c2, 3, TensionControl::switched, false,
+                                       GENERATE(Precision::float32, Precision::float64));
     fluid.sum_over_neighbors(Terms::both);
     const Particles both = fluid.particles;
     fluid.sum_over_neighbors(Terms::rate);
@@ -91,9 +90,8 @@ TEST_CASE("rate and force passes give together what the single pass gives") {
 }
 
 TEST_CASE("sums have the same bits for one thread and for two") {
-    FluidSystem fluid =
-        disturbed_blob(Kernel::wendland_c2, 3, TensionControl::switched, false,
-                       GENERATE(Precision::float32, Precision::float64));
+    FluidSystem fluid = disturbed_blob(Kernel::wendland_c2, 3, TensionControl::switched, false,
+                                       GENERATE(Precision::float32, Precision::float64));
     omp_set_num_threads(1);
     fluid.sum_over_neighbors(Terms::both);
     const Particles one = fluid.particles;
