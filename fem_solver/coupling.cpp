@@ -74,10 +74,10 @@ class Coupled final : public Link {
         mesh.mesh = "structure";
         mesh.kind = "surface";
         mesh.groups = surface.names;
-        for (std::int32_t n : surface.node) {
-            const double* x = structure.nodes().x[n].c;
-            mesh.x.insert(mesh.x.end(), x, x + 3);
-            const double mass = structure.nodes().mass[n];
+        for (std::size_t i = 0; i < surface.node.size(); ++i) {
+            const Row x = structure.surface_position(i);
+            mesh.x.insert(mesh.x.end(), {x[0], x[1], x[2]});
+            const double mass = structure.surface_mass(i);
             mesh.mass.push_back(mass > 0 ? mass : mass_of_immobile);
         }
         for (const Quad& q : surface.quad) mesh.quad.insert(mesh.quad.end(), q.begin(), q.end());
@@ -99,11 +99,13 @@ class Coupled final : public Link {
         state.wait = participant_.waited();
         state.x.resize(3 * node.size());
         state.v.resize(3 * node.size());
-        for (std::size_t i = 0; i < node.size(); ++i)
+        for (std::size_t i = 0; i < node.size(); ++i) {
+            const Row x = structure.surface_position(i), v = structure.surface_velocity(i);
             for (int d = 0; d < 3; ++d) {
-                state.x[3 * i + d] = structure.nodes().x[node[i]].c[d];
-                state.v[3 * i + d] = structure.nodes().v[node[i]].c[d];
+                state.x[3 * i + d] = x[d];
+                state.v[3 * i + d] = v[d];
             }
+        }
         participant_.send(std::move(state));
         work_ += double(structure.elements().deformable());
     }

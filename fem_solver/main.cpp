@@ -26,12 +26,24 @@ std::string sentence(const char* format, Values... values) {
     return text;
 }
 
+/// "120 hexahedra and 14 tetrahedra"
+std::string count_elements(const Mesh& mesh) {
+    std::string words;
+    const auto add = [&](std::size_t n, const char* kind) {
+        if (n > 0) words += (words.empty() ? "" : " and ") + std::to_string(n) + " " + kind;
+    };
+    add(mesh.hexahedra.size(), "hexahedra");
+    add(mesh.tetrahedra.size(), "tetrahedra");
+    add(mesh.shells.size(), "shells");
+    return words;
+}
+
 void log_start(const Structure& structure, const MeshQuality& quality) {
     const Mesh& mesh = structure.model().mesh;
     log_info(
-        sentence("mesh %s: %zu hexahedra, %zu nodes; worst aspect %.3g (%s), smallest corner "
+        sentence("mesh %s: %s, %zu nodes; worst aspect %.3g (%s), smallest corner "
                  "Jacobian %.3g of its element's mean (%s)",
-                 mesh.source.c_str(), mesh.hexahedra.size(), mesh.x.size(), quality.worst_aspect,
+                 mesh.source.c_str(), count_elements(mesh).c_str(), mesh.x.size(), quality.worst_aspect,
                  mesh.element_name(quality.worst_aspect_element).c_str(), quality.worst_corner,
                  mesh.element_name(quality.worst_corner_element).c_str()));
     for (const RigidBody& body : structure.bodies())

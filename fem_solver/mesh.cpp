@@ -33,8 +33,10 @@ std::vector<std::int32_t> Mesh::nodes_of(const std::string& set, const std::stri
         known = true;
     }
     if (const auto found = volume_sets.find(set); found != volume_sets.end()) {
-        for (std::int32_t e : found->second)
-            nodes.insert(nodes.end(), hexahedra[e].begin(), hexahedra[e].end());
+        for (std::int32_t e : found->second) {
+            const std::span<const std::int32_t> n = corners(e);
+            nodes.insert(nodes.end(), n.begin(), n.end());
+        }
         known = true;
     }
     if (!known) {
@@ -71,8 +73,39 @@ const std::vector<std::int32_t>& Mesh::elements_of(const std::string& set,
     return found->second;
 }
 
+ElementShape Mesh::shape_of(std::size_t element) const {
+    if (element < hexahedra.size()) return ElementShape::hexahedron;
+    return element < hexahedra.size() + tetrahedra.size() ? ElementShape::tetrahedron
+                                                          : ElementShape::shell;
+}
+
+std::span<const std::int32_t> Mesh::corners(std::size_t element) const {
+    if (element < hexahedra.size()) return hexahedra[element];
+    element -= hexahedra.size();
+    if (element < tetrahedra.size()) return tetrahedra[element];
+    return shells[element - tetrahedra.size()];
+}
+
 std::string Mesh::element_name(std::size_t element) const {
-    return "hexahedron " + std::to_string(element_tag[element]);
+    return std::string(name_of(shape_of(element))) + " " + std::to_string(element_tag[element]);
+}
+
+const char* name_of(ElementShape shape) {
+    switch (shape) {
+        case ElementShape::hexahedron:
+            return "hexahedron";
+        case ElementShape::tetrahedron:
+            return "tetrahedron";
+        default:
+            return "shell";
+    }
+}
+
+Quad sorted_facet(Quad facet) {
+    // of a triangle the third node comes twice; which one that is depends on where it begins
+    if (facet[2] == facet[3]) facet[3] = *std::min_element(facet.begin(), facet.begin() + 3);
+    std::sort(facet.begin(), facet.end());
+    return facet;
 }
 
 std::string point_text(const Vec3& x) {

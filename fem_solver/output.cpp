@@ -6,11 +6,15 @@
 namespace undertow::fem {
 namespace {
 
-std::vector<std::int32_t> flat_hexahedra(const Mesh& mesh) {
-    std::vector<std::int32_t> flat;
-    flat.reserve(8 * mesh.hexahedra.size());
-    for (const Hexahedron& h : mesh.hexahedra) flat.insert(flat.end(), h.begin(), h.end());
-    return flat;
+template <class Cells>
+std::vector<std::int32_t> flat(const Cells& cells) {
+    std::vector<std::int32_t> all;
+    for (const auto& cell : cells) all.insert(all.end(), cell.begin(), cell.end());
+    return all;
+}
+
+MeshCells cells_of(const Mesh& mesh) {
+    return {flat(mesh.hexahedra), flat(mesh.tetrahedra), flat(mesh.shells)};
 }
 
 /// Columns of what a scene has no part of are left out.
@@ -78,7 +82,7 @@ std::vector<std::string> history_notes(const Model& model) {
 Output::Output(const std::string& folder, const Case& c, const Structure& structure,
                std::optional<Settlement> settlement)
     : folder_(folder),
-      mesh_(folder + "/fem", structure.nodes().size(), flat_hexahedra(structure.model().mesh)),
+      mesh_(folder + "/fem", structure.nodes().size(), cells_of(structure.model().mesh)),
       energy_(folder + "/energy.fem.csv",
               {"energies of the structure at t; what went in is external (weight, pressure) and "
                "contact work",
@@ -109,10 +113,15 @@ void Output::fields(double t, const Structure& structure) {
             3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
         pressure[e] = -(s[0] + s[1] + s[2]) / 3;
     }
+    const Elements::FaceStress faces = structure.elements().face_stress();
     const std::vector<double> plastic_strain = structure.elements().plastic_strain();
     std::vector<Field> of_elements{{"stress", "Pa", 6, stress},
                                    {"von_mises", "Pa", 1, von_mises},
                                    {"pressure", "Pa", 1, pressure}};
+    if (!faces.top.empty()) {
+        of_elements.push_back({"stress_top", "Pa", 6, faces.top});
+        of_elements.push_back({"stress_bottom", "Pa", 6, faces.bottom});
+    }
     if (structure.elements().any_plastic())
         of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
     mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}}, of_elements);

@@ -19,7 +19,7 @@ constexpr std::int64_t steps_between_shape_checks = 256;
 constexpr double lost_corner = -1;
 
 /// [kg] of all nodes: from the elements that deform and from the rigid bodies.
-std::vector<double> masses_of(const Hexahedra& elements, const Model& model) {
+std::vector<double> masses_of(const Elements& elements, const Model& model) {
     std::vector<double> mass = elements.nodal_masses(model.mesh.x.size());
     for (const RigidSet& body : model.rigid)
         for (std::size_t i = 0; i < body.nodes.size(); ++i) mass[body.nodes[i]] += body.mass[i];
@@ -40,6 +40,14 @@ Structure::Structure(Model model, int threads)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)
                 if (support.fixed[d]) nodes_.inverse_mass[n].c[d] = 0;
+    for (const Support& support : model_.supports)
+        for (std::int32_t n : support.nodes)
+            for (int d = 0; d < 3; ++d)
+                if (support.turned[d]) elements_.hold_rotation(n, d);
+    if (!model_.surface.offset.empty()) {
+        faces_ = ShellFaces(model_.surface, *elements_.turning_nodes());
+        faces_.follow(nodes_.x);
+    }
     model_.far_field.hold(nodes_);
     for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
@@ -141,6 +149,10 @@ void Structure::pressure_forces(double t) {
         pressure.evaluate(t, nodes_.x);
         pressure.load.add_to(nodes_.f);
     }
+    for (TractionLoad& traction : model_.tractions) {
+        traction.evaluate(t);
+        traction.load.add_to(nodes_.f);
+    }
 }
 
 void Structure::contact_forces(std::span<const double> f) {
@@ -148,6 +160,7 @@ void Structure::contact_forces(std::span<const double> f) {
     for (std::size_t i = 0; i < contact_.node.size(); ++i)
         contact_.force[i] = {{f[3 * i], f[3 * i + 1], f[3 * i + 2], 0}};
     contact_.add_to(nodes_.f);
+    if (!faces_.empty()) faces_.add_moments(contact_.force, *elements_.turning_nodes());
     if (!model_.water) return;
     model_.water->evaluate(nodes_.x);
     model_.water->load.add_to(nodes_.f);
@@ -174,13 +187,17 @@ void Structure::release_far_field() {
 
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
+    for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
+    if (!faces_.empty())
+        contact_.work += 0.5 * dt_ * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
     kick_ = fem::kick(nodes_, step, threads_);
     model_.far_field.after_kick(nodes_, step, kick_);
+    kick_ += elements_.kick(step, threads_);
     for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
@@ -189,19 +206,26 @@ void Structure::kick(double dt) {
 
 void Structure::drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
+    for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
+    if (!faces_.empty())
+        contact_.work += 0.5 * dt * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
+    elements_.drift(dt, threads_);
+    if (!faces_.empty()) faces_.follow(nodes_.x);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
     dt_ = dt;
 }
 
 void Structure::hold() {
+    elements_.hold();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
 }
 
 void Structure::stop() {
+    elements_.stop();
     for (NodeRow& v : nodes_.v) v = NodeRow{};
     for (RigidBody& body : bodies_) body.stop(nodes_);
     dt_ = 0;
@@ -216,6 +240,7 @@ void Structure::count_from_here() {
     model_.far_field.reset_work();
     if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
+    for (TractionLoad& traction : model_.tractions) traction.load.work = 0;
     for (RigidBody& body : bodies_) body.count_from_here();
     for (ContactPair& pair : pairs_) pair.count_from_here();
 }
@@ -256,6 +281,7 @@ Residual Structure::residual() const {
 
 void Structure::finish() {
     contact_.add_to(nodes_.f);  // the coupler sends none for the last state: take those before it
+    if (!faces_.empty()) faces_.add_moments(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.add_to(nodes_.f);
     kick(dt_);
 }
@@ -339,6 +365,7 @@ Energies Structure::energies() const {
         e.pair_damping += pair.damping_work();
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
+    for (const TractionLoad& traction : model_.tractions) e.external += traction.load.work;
     e.contact = contact_.work;
     return e;
 }
@@ -354,6 +381,21 @@ Vec3 Structure::velocity(std::int32_t node) const {
         v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
     }
     return v;
+}
+
+Row Structure::surface_position(std::size_t i) const {
+    const Row x = as_row(nodes_.x[contact_.node[i]]);
+    return faces_.empty() ? x : x + faces_.lever(i);
+}
+
+Row Structure::surface_velocity(std::size_t i) const {
+    const Row v = as_row(nodes_.v[contact_.node[i]]);
+    return faces_.empty() ? v : v + faces_.velocity(i, *elements_.turning_nodes());
+}
+
+double Structure::surface_mass(std::size_t i) const {
+    const double mass = nodes_.mass[contact_.node[i]];
+    return faces_.empty() ? mass : faces_.mass(i, mass, *elements_.turning_nodes());
 }
 
 Vec3 Structure::displacement(std::int32_t node) const {

@@ -9,10 +9,11 @@
 
 #include "fem_solver/boundary/nodal_load.hpp"
 #include "fem_solver/contact_pairs/contact_pair.hpp"
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/element_groups.hpp"
 #include "fem_solver/nodes.hpp"
 #include "fem_solver/rigid/rigid_body.hpp"
 #include "fem_solver/setup/model.hpp"
+#include "fem_solver/shells/shell_faces.hpp"
 
 namespace undertow::fem {
 
@@ -100,6 +101,11 @@ class Structure {
     /// [m/s] v^n of a node, from both half steps.
     Vec3 velocity(std::int32_t node) const;
     Vec3 displacement(std::int32_t node) const;  // [m]
+    /// Of node i of the coupled surface, which of a shell lies on one of its faces: [m], [m/s] at
+    /// n - 1/2, and [kg] that contact meets there.
+    Row surface_position(std::size_t i) const;
+    Row surface_velocity(std::size_t i) const;
+    double surface_mass(std::size_t i) const;
     /// [N] force the support exerts on the structure (after all forces of the step are in).
     Vec3 reaction(const Support& support) const;
     double largest_displacement() const;  // [m]
@@ -107,7 +113,8 @@ class Structure {
     const Model& model() const { return model_; }
     const Nodes& nodes() const { return nodes_; }
     Nodes& nodes() { return nodes_; }
-    const Hexahedra& elements() const { return elements_; }
+    const Elements& elements() const { return elements_; }
+    Elements& elements() { return elements_; }
     const ElementsReport& report() const { return report_; }
     std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
     const std::vector<RigidBody>& bodies() const { return bodies_; }
@@ -125,9 +132,10 @@ class Structure {
     void pair_forces();
 
     Model model_;
-    Hexahedra elements_;
+    Elements elements_;
     Nodes nodes_;
     NodalLoad contact_;
+    ShellFaces faces_;  // of the coupled surface; empty without shells
     std::vector<RigidBody> bodies_;
     std::vector<ContactPair> pairs_;
     std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies

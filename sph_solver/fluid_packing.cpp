@@ -71,7 +71,8 @@ void FluidSystem::pack_fluid() {
     if (neighbors_.exact().used) pack_fluid_exactly();
     if (s.viscosity.empty()) return;
 #pragma omp for schedule(static)
-    for (int i = 0; i < n; ++i) neighbors_.viscosity()[i] = static_cast<float>(s.viscosity[i]);
+    for (int i = 0; i < n; ++i)
+        neighbors_.root_viscosity()[i] = std::sqrt(static_cast<float>(s.viscosity[i]));
 }
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
@@ -87,7 +88,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
     const bool viscous = !particles.viscosity.empty(), single = physics_.fluids.size() == 1;
     const Packed* fluid_records = neighbors_.records().data();
     Packed* records = neighbors_.records().data() + neighbors_.first_extra();
-    float* viscosity = neighbors_.viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
+    float* root_viscosity =
+        neighbors_.root_viscosity().data() + (viscous ? neighbors_.first_extra() : 0);
     const std::vector<Extra>& extras = neighbors_.extras();
     const int n = static_cast<int>(extras.size());
 #pragma omp for schedule(static)
@@ -97,7 +99,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
         if (body != of_bodies) continue;
         const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
         if (viscous)
-            viscosity[e] = static_cast<float>(body ? bodies.viscosity[s] : particles.viscosity[s]);
+            root_viscosity[e] = std::sqrt(
+                static_cast<float>(body ? bodies.viscosity[s] : particles.viscosity[s]));
         if (sizes_.variable() && !body)
             neighbors_.smoothing()[neighbors_.first_extra() + e] = neighbors_.smoothing()[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
@@ -170,7 +173,7 @@ void FluidSystem::pack_fluid_exactly() {
         const double volume = fluid.rho0 * fluid.volume / (fluid.rho0 + s.drho[i]);
         exact.records[i] = {s.x[i],  s.y[i],  s.z[i],  tag_.exact(volume, s.fluid[i]),
                             s.vx[i], s.vy[i], s.vz[i], s.p[i]};
-        if (!s.viscosity.empty()) exact.viscosity[i] = s.viscosity[i];
+        if (!s.viscosity.empty()) exact.root_viscosity[i] = std::sqrt(s.viscosity[i]);
         if (sizes_.variable()) exact.smoothing[i] = sizes_.now<double>(i, s.fluid[i], s.drho[i]);
     }
 }
@@ -190,8 +193,9 @@ void FluidSystem::pack_extras_exactly(bool of_bodies) {
         ExactRecord& q = exact.records[first + e];
         q = shown_by(extra, physics_.fluids[own]);
         q.volume = tag_.exact(q.volume, own);
-        if (!exact.viscosity.empty())
-            exact.viscosity[first + e] = body ? bodies.viscosity[s] : particles.viscosity[s];
+        if (!exact.root_viscosity.empty())
+            exact.root_viscosity[first + e] =
+                std::sqrt(body ? bodies.viscosity[s] : particles.viscosity[s]);
         if (sizes_.variable() && !body) exact.smoothing[first + e] = exact.smoothing[s];
     }
 }

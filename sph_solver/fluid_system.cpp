@@ -10,6 +10,7 @@
 #include "sph_solver/physics/gradient_correction.hpp"
 #include "sph_solver/physics/heating.hpp"
 #include "sph_solver/physics/resolve_physics.hpp"
+#include "sph_solver/physics/stable_step.hpp"
 #include "sph_solver/physics/wall_forces.hpp"
 #include "sph_solver/setup/fill.hpp"
 #include "sph_solver/shapes/vectors.hpp"
@@ -292,7 +293,7 @@ double FluidSystem::viscous_limit() const {
     double nu = 0;
     if (implicit_) return nu;
     for (const FluidLaw& f : physics_.fluids) nu = std::max(nu, f.mu / f.rho0);
-    if (particles.viscosity.empty()) return nu;
+    if (particles.viscosity.empty()) return nu * viscous_stiffness(physics_.viscous_form);
     double per_density[FluidTag::most];
     for (std::size_t f = 0; f < physics_.fluids.size(); ++f)
         per_density[f] = 1 / physics_.fluids[f].rho0;
@@ -300,7 +301,7 @@ double FluidSystem::viscous_limit() const {
 #pragma omp parallel for schedule(static) reduction(max : nu)
     for (int i = 0; i < n; ++i)
         nu = std::max(nu, particles.viscosity[i] * per_density[particles.fluid[i]]);
-    return nu;
+    return nu * viscous_stiffness(physics_.viscous_form);
 }
 
 int FluidSystem::limiting_particle(const std::string& limiter) const {

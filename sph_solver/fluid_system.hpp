@@ -28,7 +28,8 @@ struct Health {
     double max_speed = 0;          // [m/s]
     double max_acceleration = 0;   // [m/s2]
     double max_compression = 0;    // largest |rho/rho0 - 1|
-    double max_kinematic_viscosity = 0;   // largest mu/rho0 of the coming step [m2/s]
+    double max_kinematic_viscosity = 0;   // largest mu/rho0 of the coming step, times
+                                          // viscous_stiffness [m2/s]
     bool finite = true;
     int worst = -1;                // particle (sorted index) that is not finite
 };
@@ -155,7 +156,7 @@ class FluidSystem {
     void find_near_planes();
     void put_back_behind_planes();
     void remove_outside();
-    double viscous_limit() const;                 // largest mu/rho0 [m2/s]
+    double viscous_limit() const;                 // largest mu/rho0, times viscous_stiffness [m2/s]
     ShearRate shear_rate_now();
 
     PairPhysics physics_;

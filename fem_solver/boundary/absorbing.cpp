@@ -67,13 +67,15 @@ void AbsorbingBoundary::add_facet(const AbsorbingFacet& facet, const std::vector
     const double area = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     const Vec3 n{a[0] / area, a[1] / area, a[2] / area};
     const std::vector<std::int32_t>& node = reaction_.node;
-    for (std::int32_t corner : facet.node) {
+    const std::span<const std::int32_t> corners = corners_of(facet.node);
+    const double share = area / double(corners.size());
+    for (std::int32_t corner : corners) {
         const std::size_t i = std::lower_bound(node.begin(), node.end(), corner) - node.begin();
-        add_projected(dashpot_[i], 0.25 * area * facet.normal_impedance,
-                      0.25 * area * facet.shear_impedance, n);
+        add_projected(dashpot_[i], share * facet.normal_impedance,
+                      share * facet.shear_impedance, n);
         if (!spring_.empty())
-            add_projected(spring_[i], 0.25 * area * facet.normal_stiffness,
-                          0.25 * area * facet.shear_stiffness, n);
+            add_projected(spring_[i], share * facet.normal_stiffness,
+                          share * facet.shear_stiffness, n);
     }
 }
 

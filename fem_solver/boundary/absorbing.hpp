@@ -32,7 +32,8 @@ struct AbsorbingFacet {
 class AbsorbingBoundary {
  public:
     AbsorbingBoundary() = default;
-    /// Dashpots of the facets in the shape x [m]; a quarter of a facet hangs on each of its nodes.
+    /// Dashpots of the facets in the shape x [m]; an equal share of a facet hangs on each of
+    /// its nodes.
     AbsorbingBoundary(const std::vector<AbsorbingFacet>& facets, const std::vector<Vec3>& x);
 
     bool empty() const { return reaction_.node.empty(); }

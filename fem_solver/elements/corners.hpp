@@ -1,5 +1,6 @@
 #pragma once
 // Whether hexahedra have folded: their volume alone does not tell, for clay keeps it however bent.
+// (Of a tetrahedron it does.)
 
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +21,7 @@ struct WorstCorner {
                        // that has folded through is negative
 };
 
-/// Smallest of all elements in the shape x [m], of the mesh that had the shape mesh.x.
+/// Smallest of all hexahedra in the shape x [m], of the mesh that had the shape mesh.x.
 WorstCorner worst_corner(const Mesh& mesh, const NodeRows& x);
 
 }  // namespace undertow::fem

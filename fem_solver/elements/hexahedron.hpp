@@ -10,6 +10,7 @@
 //   6. forces from stress, bulk viscosity and hourglass; energies; stable-step figure
 // Derivations are in docs/theory_fem.md.
 
+#include "fem_solver/elements/element_law.hpp"
 #include "fem_solver/elements/hourglass_limit.hpp"
 #include "fem_solver/elements/modes.hpp"
 #include "fem_solver/elements/tensor.hpp"
@@ -32,33 +33,6 @@ struct HexahedronConstants {
     T length;            // [m] 2 c / omega at the start, for the bulk viscosity
     T axis_weight[3];    // [1/m2] 1 / |linear mode k|^2 at the start
     T omega2_reference;  // [1/s2] eigenvalue bound when the largest frequency was last found
-};
-
-/// Scalars that all elements of a part share.
-struct HexahedronLaw {
-    double inverse_density;  // [m3/kg] of the undeformed material
-    double lambda, mu;       // [Pa] moduli of the eigenvalue bound
-    double sound_speed;      // [m/s] sqrt((lambda + 2 mu)/rho)
-    double bending_modulus;  // [Pa] E/(1 - nu^2): plane stress, = 2 mu/(1 - nu)
-    double poisson_ratio;
-    double young_modulus;             // [Pa]
-    double bulk_viscosity_linear;     // b1
-    double bulk_viscosity_quadratic;  // b2
-};
-
-/// What an element reports of a step: energies to be summed, health figures to be reduced.
-template <class T>
-struct HexahedronReport {
-    T strain_work;      // [J] of the step
-    T hourglass_work;   // [J] of the step
-    T viscous_work;     // [J] of the step
-    T omega2;           // [1/s2] bound on the largest eigenvalue
-    T relative_volume;  // V/V0; <= 0 is an inverted element
-    T compression;      // -length tr(D)/c, Mach number of closing: enters the viscosity's limit
-    // of plastic materials alone:
-    T plastic_work;    // [J] of the step, a part of strain_work
-    T plastic_strain;  // increment of the equivalent plastic strain
-    T yielding;        // 1 where the stress flowed, else 0
 };
 
 /// Six vectors C_m = dD/dX_m for D = 64 V: the mean gradient in modes. The fourth hourglass mode
@@ -95,7 +69,7 @@ UNDERTOW_KERNEL void mean_gradient(const Modes<T> (&x)[3], T (&C)[6][3], T& D) {
         H[1][0] * C[4][0] + H[2][0] * C[5][0];
 }
 
-/// omega^2 <= (8/rho) (lambda tr g + 2 mu |g|), g_ij = b_iI b_jI / V^2   [1/s2]
+/// omega^2 <= (8/rho) (lambda tr g + 2 mu |g|), g_ij = b_iI b_jI / V^2, lambda >= 0   [1/s2]
 /// The largest eigenvalue of g is bounded by the row sums of the Gram matrix of the three face
 /// vectors: exact for a box in any orientation.  [after Flanagan and Belytschko 1984]
 template <class T>
@@ -106,7 +80,8 @@ UNDERTOW_KERNEL T eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass
             c20 = magnitude(dot(C[2], C[0]));
     const T twist = dot(C[3], C[3]) + dot(C[4], C[4]) + dot(C[5], C[5]);
     const T row = larger(larger(c00 + c01 + c20, c01 + c11 + c12), c20 + c12 + c22);
-    return (lambda * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
+    const double volumetric = lambda > 0 ? lambda : 0;  // below 0 (nu < 0) it only softens
+    return (volumetric * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
 }
 
 /// Displacement gradient of the step with respect to its end, G_ij = dx_iI b_jI / V.
@@ -121,32 +96,6 @@ UNDERTOW_KERNEL void displacement_gradient(const Modes<T> (&dx)[3], const T (&C)
                                     dx[i].linear[2] * C[2][j]) +
                                    (dx[i].hourglass[0] * C[3][j] + dx[i].hourglass[1] * C[4][j] +
                                     dx[i].hourglass[2] * C[5][j]));
-}
-
-template <class T>
-UNDERTOW_KERNEL Symmetric<T> symmetric_part(const T (&L)[3][3]) {
-    return {L[0][0],
-            L[1][1],
-            L[2][2],
-            0.5 * (L[0][1] + L[1][0]),
-            0.5 * (L[1][2] + L[2][1]),
-            0.5 * (L[2][0] + L[0][2])};
-}
-
-/// (a + b) : d_eps
-template <class T>
-UNDERTOW_KERNEL T work_of_sum(const Symmetric<T>& a, const Symmetric<T>& b,
-                              const Symmetric<T>& d_eps) {
-    return ((a.xx + b.xx) * d_eps.xx + (a.yy + b.yy) * d_eps.yy + (a.zz + b.zz) * d_eps.zz) +
-           2.0 * ((a.xy + b.xy) * d_eps.xy + (a.yz + b.yz) * d_eps.yz + (a.zx + b.zx) * d_eps.zx);
-}
-
-/// q = rho ( b1 c l tr(D) - (b2 l tr(D))^2 when compressed )   [Pa], tension positive; `closing`
-/// = -l tr(D) [m/s]
-template <class T>
-UNDERTOW_KERNEL T bulk_viscosity(const HexahedronLaw& law, const T& density, const T& closing) {
-    const T squeeze = law.bulk_viscosity_quadratic * larger(closing, T(closing * 0.0));
-    return -density * (law.bulk_viscosity_linear * law.sound_speed * closing + squeeze * squeeze);
 }
 
 /// Hourglass displacements of the step without their linear part, on the element's axes at the
@@ -177,7 +126,7 @@ UNDERTOW_KERNEL void hourglass_displacements(const Modes<T> (&x)[3], const Modes
 /// so that a beam one element deep bends right. Adds to Q, returns the work [J].
 ///   [assumed strain: Belytschko and Bindeman 1993, Puso 2000; weights in docs/theory_fem.md]
 template <class T>
-UNDERTOW_KERNEL T update_hourglass(const HexahedronLaw& law, const T& volume_start, const T (&w)[3],
+UNDERTOW_KERNEL T update_hourglass(const ElementLaw& law, const T& volume_start, const T (&w)[3],
                                    const T (&p)[3][4], T (&Q)[3][4]) {
     const T bending = (law.bending_modulus / 3) * volume_start;
     const T torsion = (law.mu / 3) * volume_start;
@@ -237,9 +186,9 @@ UNDERTOW_KERNEL void nodal_forces(const Modes<T> (&x)[3], const T (&C)[6][3], co
 template <class T, class Material>
 UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
                                      const HexahedronConstants<T>& element,
-                                     const Material& material, const HexahedronLaw& law,
+                                     const Material& material, const ElementLaw& law,
                                      HexahedronState<T>& state, T (&f)[3][8],
-                                     HexahedronReport<T>& report) {
+                                     ElementReport<T>& report) {
     const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
     const Modes<T> dx[3] = {to_modes(dx_nodes[0]), to_modes(dx_nodes[1]), to_modes(dx_nodes[2])};
     T C[6][3], D;

@@ -75,4 +75,47 @@ UNDERTOW_KERNEL void rotate_with_spin(const T (&L)[3][3], Symmetric<T>& s) {
     s.zx = a20 * r00 + a21 * r01 + a22 * r02;
 }
 
+template <class T>
+UNDERTOW_KERNEL Symmetric<T> symmetric_part(const T (&L)[3][3]) {
+    return {L[0][0],
+            L[1][1],
+            L[2][2],
+            0.5 * (L[0][1] + L[1][0]),
+            0.5 * (L[1][2] + L[2][1]),
+            0.5 * (L[2][0] + L[0][2])};
+}
+
+/// (a + b) : d_eps
+template <class T>
+UNDERTOW_KERNEL T work_of_sum(const Symmetric<T>& a, const Symmetric<T>& b,
+                              const Symmetric<T>& d_eps) {
+    return ((a.xx + b.xx) * d_eps.xx + (a.yy + b.yy) * d_eps.yy + (a.zz + b.zz) * d_eps.zz) +
+           2.0 * ((a.xy + b.xy) * d_eps.xy + (a.yz + b.yz) * d_eps.yz + (a.zx + b.zx) * d_eps.zx);
+}
+
+/// Cofactors of A, which holds A_k as columns: c_k = A_k' x A_k''. Returns det A = A_0 . c_0.
+template <class T>
+UNDERTOW_KERNEL T cofactors(const T (&A)[3][3], T (&c)[3][3]) {
+    T column[3][3];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k)
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) column[k][i] = A[i][k];
+    cross(column[1], column[2], c[0]);
+    cross(column[2], column[0], c[1]);
+    cross(column[0], column[1], c[2]);
+    return dot(column[0], c[0]);
+}
+
+/// Strain increment of the midpoint gradient L with another dilatation in place of its own.
+template <class T>
+UNDERTOW_KERNEL Symmetric<T> strain_with_dilatation(const T (&L)[3][3], const T& dilatation) {
+    Symmetric<T> d_eps = symmetric_part(L);
+    const T shift = (1.0 / 3) * (dilatation - (d_eps.xx + d_eps.yy + d_eps.zz));
+    d_eps.xx += shift;
+    d_eps.yy += shift;
+    d_eps.zz += shift;
+    return d_eps;
+}
+
 }  // namespace undertow::fem

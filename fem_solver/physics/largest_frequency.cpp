@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace undertow::fem {
@@ -44,17 +45,23 @@ double pseudo_random(std::uint64_t& state) {
 
 }  // namespace
 
-LargestFrequency find_largest_frequency(const Hexahedra& elements, const Nodes& nodes) {
+LargestFrequency find_largest_frequency(const Elements& elements, const Nodes& nodes) {
     constexpr int max_iterations = 200;
-    const std::size_t n = nodes.size();
+    // nodes that move, and after them those that turn
+    const std::span<const NodeRow> inverse_inertia = elements.inverse_inertia();
+    const std::size_t n = nodes.size() + inverse_inertia.size();
+    const auto inverse_mass = [&](std::size_t i) {
+        return i < nodes.size() ? nodes.inverse_mass[i].c : inverse_inertia[i - nodes.size()].c;
+    };
     NodeRows root(n), q(n), q_old(n), u(n), w(n);  // root = M^-1/2 per direction, 0 where held
     double extent = 0;
     std::uint64_t random = 1;
     for (std::size_t i = 0; i < n; ++i)
         for (int d = 0; d < 3; ++d) {
-            root[i].c[d] = std::sqrt(nodes.inverse_mass[i].c[d]);
+            root[i].c[d] = std::sqrt(inverse_mass(i)[d]);
             q[i].c[d] = root[i].c[d] > 0 ? pseudo_random(random) : 0;
-            extent = std::max(extent, std::abs(nodes.x[i].c[d] - nodes.x[0].c[d]));
+            if (i < nodes.size())
+                extent = std::max(extent, std::abs(nodes.x[i].c[d] - nodes.x[0].c[d]));
         }
     LargestFrequency found;
     double norm = std::sqrt(dot(q, q));

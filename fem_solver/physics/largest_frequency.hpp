@@ -2,7 +2,7 @@
 // The largest eigenfrequency of the assembled and supported mesh, for a stable step that wastes
 // nothing: the element bound is up to a third too careful.
 
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/element_groups.hpp"
 #include "fem_solver/nodes.hpp"
 
 namespace undertow::fem {
@@ -14,6 +14,6 @@ struct LargestFrequency {
 };
 
 /// Lanczos iteration on M^-1/2 K M^-1/2 in the present shape, K from the elements' tangent forces.
-LargestFrequency find_largest_frequency(const Hexahedra& elements, const Nodes& nodes);
+LargestFrequency find_largest_frequency(const Elements& elements, const Nodes& nodes);
 
 }  // namespace undertow::fem

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
@@ -25,31 +26,29 @@ double area_of(const Mesh& mesh, const Quad& q) {
 class Backers {
  public:
     Backers(const Mesh& mesh, const std::vector<Quad>& facets) {
-        for (const Quad& q : facets) element_[key(q)] = -1;
-        for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
-            for (const auto& face : hexahedron_face) {
-                const Hexahedron& h = mesh.hexahedra[e];
-                const auto found =
-                    element_.find(key({h[face[0]], h[face[1]], h[face[2]], h[face[3]]}));
-                if (found != element_.end()) found->second = std::int32_t(e);
-            }
+        for (const Quad& q : facets) element_[sorted_facet(q)] = -1;
+        for_each_face(mesh, [&](std::size_t e, const Quad& face) {
+            const auto found = element_.find(sorted_facet(face));
+            if (found != element_.end()) found->second = std::int32_t(e);
+        });
     }
-    std::int32_t of(const Quad& q) const { return element_.at(key(q)); }  // -1: of no element
+    std::int32_t of(const Quad& q) const {  // -1: of no element
+        return element_.at(sorted_facet(q));
+    }
 
  private:
-    static Quad key(Quad q) {
-        std::sort(q.begin(), q.end());
-        return q;
-    }
     std::map<Quad, std::int32_t> element_;
 };
 
-/// Distance [m] from the facet to the opposite face of its element, mean over the corners.
-double depth_of(const Mesh& mesh, const Quad& facet, const Hexahedron& h) {
+/// Distance [m] from the facet to what lies opposite in its element, between the means of corners.
+double depth_of(const Mesh& mesh, const Quad& facet, std::span<const std::int32_t> element) {
+    const std::span<const std::int32_t> corners = corners_of(facet);
+    const double on = double(corners.size()), off = double(element.size()) - on;
     Vec3 of_facet{}, of_rest{};
-    for (std::int32_t n : h) {
-        const bool on_facet = std::find(facet.begin(), facet.end(), n) != facet.end();
-        for (int d = 0; d < 3; ++d) (on_facet ? of_facet : of_rest)[d] += 0.25 * mesh.x[n][d];
+    for (std::int32_t n : element) {
+        const bool on_facet = std::find(corners.begin(), corners.end(), n) != corners.end();
+        for (int d = 0; d < 3; ++d)
+            (on_facet ? of_facet : of_rest)[d] += mesh.x[n][d] / (on_facet ? on : off);
     }
     double squared = 0;
     for (int d = 0; d < 3; ++d) squared += std::pow(of_facet[d] - of_rest[d], 2);
@@ -58,7 +57,7 @@ double depth_of(const Mesh& mesh, const Quad& facet, const Hexahedron& h) {
 
 /// Young's modulus [Pa] of each element.
 std::vector<double> moduli_of(const FemSettings& fem, const Mesh& mesh) {
-    std::vector<double> modulus(mesh.hexahedra.size(), 0.0);
+    std::vector<double> modulus(mesh.n_elements(), 0.0);
     for (const FemPart& part : fem.part)
         for (const FemMaterial& material : fem.material)
             if (material.name == part.material)
@@ -97,6 +96,12 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     if (set.surface.empty() || facets.empty())
         throw InputError(name + ": the facet set \"" +
                          (facets.empty() ? contact.nodes : contact.surface) + "\" is empty.");
+    for (const Quad& q : set.surface)
+        if (q[2] == q[3])
+            throw InputError(name + ": surface \"" + contact.surface + "\" has a triangle at " +
+                             point_text(mesh.x[q[0]]) +
+                             "; contact inside the mesh needs quads there: let the tetrahedra be "
+                             "\"nodes\", or mesh that body with hexahedra.");
     set.body = body_of_surface(contact, mesh, set.surface, body_of_node, bodies);
 
     set.nodes = mesh.nodes_of(contact.nodes, "fem.contact nodes");
@@ -114,12 +119,21 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
                              " of nodes = \"" + contact.nodes +
                              "\" belongs to no deformable element; let the soil's facets be "
                              "\"nodes\" and the rigid body's \"surface\".");
-        const double area = area_of(mesh, q), depth = depth_of(mesh, q, mesh.hexahedra[e]);
-        for (std::int32_t n : q) {
-            set.area[index(n)] += area / 4;
-            set.stiffness[index(n)] += modulus[e] * area / 4 / depth;
+        const double area = area_of(mesh, q), depth = depth_of(mesh, q, mesh.corners(e));
+        const std::span<const std::int32_t> corners = corners_of(q);
+        const double share = area / double(corners.size());
+        for (std::int32_t n : corners) {
+            set.area[index(n)] += share;
+            set.stiffness[index(n)] += modulus[e] * share / depth;
         }
     }
+    std::set<Quad> shells;
+    for (const Quad& shell : mesh.shells) shells.insert(sorted_facet(shell));
+    for (const Quad& q : set.surface)
+        if (shells.count(sorted_facet(q)) > 0)
+                throw InputError(name + ": surface = \"" + contact.surface +
+                                 "\" is of shells; contact inside the mesh is between faces of "
+                                 "solids and rigid bodies, so mesh that part with hexahedra.");
     for (const Quad& q : set.surface)
         for (std::int32_t n : q)
             if (std::binary_search(set.nodes.begin(), set.nodes.end(), n))

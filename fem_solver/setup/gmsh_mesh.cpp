@@ -26,8 +26,9 @@ struct EntityHash {
 
 class GmshFile {
  public:
-    GmshFile(const std::string& path, const std::vector<std::string>& immobile)
-        : words_(path), immobile_(immobile) {
+    GmshFile(const std::string& path, const std::vector<std::string>& immobile,
+             const std::vector<std::string>& shells)
+        : words_(path), immobile_(immobile), shells_(shells) {
         mesh_.source = path;
     }
     Mesh read();
@@ -38,9 +39,15 @@ class GmshFile {
     void read_entities();
     void read_nodes();
     void read_elements();
+    void add_quad(const FileFacet& quad, const std::vector<std::int64_t>& groups);
+    void number_elements();
+    void orient_facets();
     void drop_unused_nodes();
     bool is_immobile(const std::string& set) const {
         return std::find(immobile_.begin(), immobile_.end(), set) != immobile_.end();
+    }
+    bool is_shell(const std::string& set) const {
+        return std::find(shells_.begin(), shells_.end(), set) != shells_.end();
     }
     std::int32_t node(std::int64_t tag) {
         const auto found = node_of_tag_.find(tag);
@@ -55,11 +62,15 @@ class GmshFile {
 
     MeshWords words_;
     std::vector<std::string> immobile_;  // facet sets without elements
+    std::vector<std::string> shells_;    // groups of surfaces whose quads are elements
     Mesh mesh_;
     std::unordered_map<Entity, std::string, EntityHash> name_;  // of physical groups
     std::unordered_map<Entity, std::vector<std::int64_t>, EntityHash> groups_;  // of entities
     std::unordered_map<std::int64_t, std::int32_t> node_of_tag_;
     std::map<std::string, std::vector<FileFacet>> facets_;
+    // Tetrahedra and shells come after the hexahedra, whatever their order in the file:
+    std::vector<std::int64_t> tetrahedron_tag_, shell_tag_;
+    std::map<std::string, std::vector<std::int32_t>> tetrahedron_sets_, shell_sets_;
 };
 
 void GmshFile::read_format() {
@@ -133,11 +144,11 @@ ElementType element_type(std::int64_t type) {
         case 1:
             return {"line", 2};
         case 2:
-            return {"3-node triangle", 0};
+            return {"triangle", 3};
         case 3:
             return {"quad", 4};
         case 4:
-            return {"4-node tetrahedron", 0};
+            return {"tetrahedron", 4};
         case 5:
             return {"hexahedron", 8};
         case 6:
@@ -171,7 +182,7 @@ void GmshFile::read_elements() {
         if (element.nodes == 0)
             words_.fail(std::string(element.name) + "s (Gmsh type " + std::to_string(type) +
                         ") are not read; mesh with 8-node hexahedra (transfinite volumes or "
-                        "extrusion with Recombine, Mesh.ElementOrder = 1)");
+                        "extrusion with Recombine) or 4-node tetrahedra, Mesh.ElementOrder = 1");
         const std::vector<std::int64_t>& groups = groups_[{dimension, entity}];
         for (std::size_t i = words_.count(); i > 0; --i) {
             const std::int64_t tag = words_.integer();
@@ -183,9 +194,17 @@ void GmshFile::read_elements() {
                         std::int32_t(mesh_.hexahedra.size()));
                 mesh_.hexahedra.push_back({n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]});
                 mesh_.element_tag.push_back(tag);
-            } else if (type == 3) {
+            } else if (type == 4) {
                 for (std::int64_t g : groups)
-                    facets_[group_name(2, g)].push_back({{n[0], n[1], n[2], n[3]}, tag});
+                    tetrahedron_sets_[group_name(3, g)].push_back(
+                        std::int32_t(mesh_.tetrahedra.size()));
+                mesh_.tetrahedra.push_back({n[0], n[1], n[2], n[3]});
+                tetrahedron_tag_.push_back(tag);
+            } else if (type == 3) {
+                add_quad({{n[0], n[1], n[2], n[3]}, tag}, groups);
+            } else if (type == 2) {
+                for (std::int64_t g : groups)
+                    facets_[group_name(2, g)].push_back({{n[0], n[1], n[2], n[2]}, tag});
             } else {
                 for (std::int64_t g : groups) {
                     auto& set = mesh_.node_sets[group_name(dimension, g)];
@@ -197,10 +216,53 @@ void GmshFile::read_elements() {
     words_.expect("$EndElements");
 }
 
+/// A facet of every group it is in, and an element once if any of them is of shells.
+void GmshFile::add_quad(const FileFacet& quad, const std::vector<std::int64_t>& groups) {
+    bool element = false;
+    for (std::int64_t g : groups) {
+        const std::string name = group_name(2, g);
+        facets_[name].push_back(quad);
+        if (!is_shell(name)) continue;
+        element = true;
+        shell_sets_[name].push_back(std::int32_t(mesh_.shells.size()));
+    }
+    if (!element) return;
+    mesh_.shells.push_back(quad.node);
+    shell_tag_.push_back(quad.tag);
+}
+
+void GmshFile::number_elements() {
+    const auto append = [&](const auto& sets, const std::vector<std::int64_t>& tags) {
+        const std::int32_t first = std::int32_t(mesh_.element_tag.size());
+        for (const auto& [name, elements] : sets)
+            for (std::int32_t e : elements) mesh_.volume_sets[name].push_back(first + e);
+        mesh_.element_tag.insert(mesh_.element_tag.end(), tags.begin(), tags.end());
+    };
+    append(tetrahedron_sets_, tetrahedron_tag_);
+    append(shell_sets_, shell_tag_);
+}
+
+/// Facets of solids look outward; those of shells and immobile ones look as the file has them.
+void GmshFile::orient_facets() {
+    const Skin skin(mesh_);
+    for (const auto& [name, facets] : facets_)
+        for (const FileFacet& facet : facets) {
+            const bool triangle = facet.node[2] == facet.node[3];
+            const std::string what = (triangle ? "triangle " : "quad ") +
+                                     std::to_string(facet.tag) + " of physical group \"" + name +
+                                     "\"";
+            if (is_shell(name) && triangle)
+                words_.fail(what + " is of a shell; mesh shells with 4-node quads (Recombine)");
+            mesh_.facet_sets[name].push_back(is_shell(name)      ? facet.node
+                                             : is_immobile(name) ? skin.outside(facet.node, what)
+                                                                 : skin.outward(facet.node, what));
+        }
+}
+
 void GmshFile::drop_unused_nodes() {
     std::vector<std::int32_t> renumbered(mesh_.x.size(), -1);
-    for (const Hexahedron& h : mesh_.hexahedra)
-        for (std::int32_t n : h) renumbered[n] = 0;
+    for (std::size_t e = 0; e < mesh_.n_elements(); ++e)
+        for (std::int32_t n : mesh_.corners(e)) renumbered[n] = 0;
     for (const auto& [name, quads] : mesh_.facet_sets)
         if (is_immobile(name))
             for (const Quad& q : quads)
@@ -212,8 +274,13 @@ void GmshFile::drop_unused_nodes() {
             used.push_back(mesh_.x[n]);
         }
     mesh_.x = std::move(used);
-    for (Hexahedron& h : mesh_.hexahedra)
-        for (std::int32_t& n : h) n = renumbered[n];
+    const auto renumber = [&](auto& elements) {
+        for (auto& element : elements)
+            for (std::int32_t& n : element) n = renumbered[n];
+    };
+    renumber(mesh_.hexahedra);
+    renumber(mesh_.tetrahedra);
+    renumber(mesh_.shells);
     for (auto& [name, quads] : mesh_.facet_sets)  // on the skin or immobile: in use
         for (Quad& q : quads)
             for (std::int32_t& n : q) n = renumbered[n];
@@ -257,23 +324,19 @@ Mesh GmshFile::read() {
     }
     if (!format || !nodes || !elements)
         words_.fail("the mesh lacks $MeshFormat, $Nodes or $Elements");
-    if (mesh_.hexahedra.empty()) words_.fail("the mesh has no 8-node hexahedra");
-    const Skin skin(mesh_);
-    for (const auto& [name, facets] : facets_)
-        for (const FileFacet& facet : facets) {
-            const std::string what =
-                "quad " + std::to_string(facet.tag) + " of physical group \"" + name + "\"";
-            mesh_.facet_sets[name].push_back(is_immobile(name) ? skin.outside(facet.node, what)
-                                                               : skin.outward(facet.node, what));
-        }
+    if (mesh_.n_elements() == 0)
+        words_.fail("the mesh has no 8-node hexahedra, no 4-node tetrahedra and no shells");
+    number_elements();
+    orient_facets();
     drop_unused_nodes();
     return std::move(mesh_);
 }
 
 }  // namespace
 
-Mesh read_gmsh(const std::string& path, const std::vector<std::string>& immobile) {
-    return GmshFile(path, immobile).read();
+Mesh read_gmsh(const std::string& path, const std::vector<std::string>& immobile,
+               const std::vector<std::string>& shells) {
+    return GmshFile(path, immobile, shells).read();
 }
 
 }  // namespace undertow::fem

@@ -1,6 +1,5 @@
 #include "fem_solver/setup/ground.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -19,26 +18,24 @@ double vertical_gravity(const Case& c, const std::string& key) {
     return -g[2];
 }
 
-Quad sorted(Quad q) {
-    std::sort(q.begin(), q.end());
-    return q;
-}
-
 struct FarFacet {
     AbsorbingFacet facet;
     std::optional<Vec3> center;  // [m] where the loads act
 };
 
-double distance_to_center(const Quad& q, const std::vector<Vec3>& x, const Vec3& center) {
+double distance_to_center(const Quad& facet, const std::vector<Vec3>& x, const Vec3& center) {
+    const std::span<const std::int32_t> corners = corners_of(facet);
     double squared = 0;
-    for (int d = 0; d < 3; ++d)
-        squared +=
-            std::pow(0.25 * (x[q[0]][d] + x[q[1]][d] + x[q[2]][d] + x[q[3]][d]) - center[d], 2);
+    for (int d = 0; d < 3; ++d) {
+        double sum = 0;
+        for (std::int32_t n : corners) sum += x[n][d];
+        squared += std::pow(sum / double(corners.size()) - center[d], 2);
+    }
     return std::sqrt(squared);
 }
 
 std::vector<int> part_of_elements(const Mesh& mesh, const std::vector<Part>& parts) {
-    std::vector<int> part_of(mesh.hexahedra.size(), -1);
+    std::vector<int> part_of(mesh.n_elements(), -1);
     for (std::size_t p = 0; p < parts.size(); ++p)
         for (std::int32_t e : parts[p].elements) part_of[e] = int(p);
     return part_of;
@@ -55,9 +52,14 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
     std::vector<InitialStress> all;
     for (std::int32_t e : mesh.elements_of(ground.set, "fem.geostatic")) {
         if (part_of[e] < 0) continue;  // nothing that could be stressed
+        if (mesh.shape_of(e) == ElementShape::shell)
+            throw InputError("fem.geostatic: set = \"" + ground.set + "\" holds " +
+                             mesh.element_name(e) +
+                             ", but only solid ground has a stress at rest; give a set of solids.");
         const Part& part = parts[part_of[e]];
         double z = 0;
-        for (std::int32_t n : mesh.hexahedra[e]) z += mesh.x[n][2] / 8;
+        const std::span<const std::int32_t> corners = mesh.corners(e);
+        for (std::int32_t n : corners) z += mesh.x[n][2] / double(corners.size());
         if (z > ground.surface)
             throw InputError("fem.geostatic: " + mesh.element_name(e) +
                              " at z = " + number_text(z) + " m lies above surface = " +
@@ -84,32 +86,28 @@ AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
     std::map<Quad, FarFacet> facets;  // by sorted nodes: sets may overlap
     for (const FemAbsorbing& a : fem.absorbing)
         for (const Quad& q : mesh.facets_of(a.set, "fem.absorbing"))
-            facets[sorted(q)] = {{.node = q}, a.center};
+            facets[sorted_facet(q)] = {{.node = q}, a.center};
     const std::vector<int> part_of = part_of_elements(mesh, parts);
-    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e)
-        for (const auto& corners : hexahedron_face) {
-            const Hexahedron& h = mesh.hexahedra[e];
-            const auto found =
-                facets.find(sorted({h[corners[0]], h[corners[1]], h[corners[2]], h[corners[3]]}));
-            if (found == facets.end() || part_of[e] < 0) continue;
-            const Part& part = parts[part_of[e]];
-            const LinearElastic& moduli = elastic_moduli(part.material);
-            AbsorbingFacet& facet = found->second.facet;
-            facet.normal_impedance =
-                std::sqrt(part.density * (moduli.lambda + 2 * moduli.mu));  // rho c_p
-            facet.shear_impedance = std::sqrt(part.density * moduli.mu);
-            if (!found->second.center) continue;
-            const double r = distance_to_center(facet.node, mesh.x, *found->second.center);
-            facet.normal_stiffness = 4 * moduli.mu / r;
-            facet.shear_stiffness = 2 * moduli.mu / r;
-        }
+    for_each_face(mesh, [&](std::size_t e, const Quad& face) {
+        const auto found = facets.find(sorted_facet(face));
+        if (found == facets.end() || part_of[e] < 0) return;
+        const Part& part = parts[part_of[e]];
+        const LinearElastic& moduli = elastic_moduli(part.material);
+        AbsorbingFacet& facet = found->second.facet;
+        facet.normal_impedance = std::sqrt(part.density * (moduli.lambda + 2 * moduli.mu));
+        facet.shear_impedance = std::sqrt(part.density * moduli.mu);
+        if (!found->second.center) return;
+        const double r = distance_to_center(facet.node, mesh.x, *found->second.center);
+        facet.normal_stiffness = 4 * moduli.mu / r;
+        facet.shear_stiffness = 2 * moduli.mu / r;
+    });
     std::vector<AbsorbingFacet> list;
     for (const auto& [nodes, far] : facets) {
         const AbsorbingFacet& facet = far.facet;
         if (!(facet.normal_impedance > 0))
             throw InputError("fem.absorbing: a facet (nodes " + std::to_string(nodes[0]) + ", " +
                              std::to_string(nodes[1]) +
-                             ", ...) is not a face of any hexahedron that deforms; only the outer "
+                             ", ...) is not a face of any solid element that deforms; only the outer "
                              "skin of those can absorb waves.");
         list.push_back(facet);
     }

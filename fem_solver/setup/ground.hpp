@@ -8,7 +8,7 @@
 #include "case/case.hpp"
 #include "fem_solver/boundary/absorbing.hpp"
 #include "fem_solver/boundary/static_water.hpp"
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/part.hpp"
 
 namespace undertow::fem {
 

@@ -46,8 +46,8 @@ void check_edges(const FemSettings& fem, const Mesh& mesh) {
 /// Twin nodes: one of the bed, one of the solid, at the same place.
 void check_twins(const FemSettings& fem, const Mesh& mesh) {
     std::vector<bool> of_bed(mesh.x.size(), false), of_solid(mesh.x.size(), false);
-    for (const Hexahedron& h : mesh.hexahedra)
-        for (std::int32_t n : h) of_solid[n] = true;
+    for (std::size_t e = 0; e < mesh.n_elements(); ++e)
+        for (std::int32_t n : mesh.corners(e)) of_solid[n] = true;
     Vec3 low = mesh.x.front(), high = low;
     for (const Vec3& x : mesh.x)
         for (int d = 0; d < 3; ++d) {

@@ -6,7 +6,8 @@
 namespace undertow::fem {
 
 struct MeshQuality {
-    double worst_aspect = 1;  // longest over shortest edge of an element
+    double worst_aspect = 1;  // longest over shortest edge of an element; of a tetrahedron longest
+                              // edge over smallest height, 1 when regular
     std::size_t worst_aspect_element = 0;
     double worst_corner = 1;  // smallest corner Jacobian over the element's mean
     std::size_t worst_corner_element = 0;

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <limits>
 
-#include "fem_solver/boundary/facet_nodes.hpp"
 #include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/setup/contact_sets.hpp"
+#include "fem_solver/setup/coupled_surface.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
 #include "fem_solver/setup/immobile.hpp"
 #include "fem_solver/setup/rigid_sets.hpp"
@@ -27,7 +27,10 @@ Mesh make_mesh(const Case& c) {
     if (c.fem.block) return make_block(*c.fem.block);
     if (c.fem.mesh.empty())
         throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"file.msh\".");
-    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile);
+    std::vector<std::string> shells;
+    for (const FemPart& part : c.fem.part)
+        if (part.element == ElementFormulation::shell) shells.push_back(part.set);
+    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile, shells);
 }
 
 Material make_material(const FemMaterial& m) {
@@ -38,15 +41,34 @@ Material make_material(const FemMaterial& m) {
                          "\": poisson_ratio = " + std::to_string(m.poisson_ratio) +
                          " must be > -1 and < 0.5 (0.49 is a good stand-in for 0.5).");
     const LinearElastic moduli = LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
-    if (m.kind == MaterialKind::linear_elastic) return moduli;
+    if (m.kind != MaterialKind::tresca) return moduli;
     if (!(m.shear_strength > 0))
         throw InputError("fem.material \"" + m.name + "\": shear_strength must be > 0.");
     return Tresca{moduli, m.shear_strength};
 }
 
+/// What is beyond the moduli of `m` in a shell. InputError where material and element do not meet.
+std::optional<J2> make_plane_plastic(const FemMaterial& m, const FemPart& part) {
+    const bool shell = part.element == ElementFormulation::shell;
+    if (shell && !(part.thickness > 0))
+        throw InputError("fem.part \"" + part.set + "\": a shell needs thickness > 0.");
+    if (shell && m.kind == MaterialKind::tresca)
+        throw InputError("fem.part \"" + part.set +
+                         "\": a shell cannot be of kind = \"tresca\" (fem.material \"" + m.name +
+                         "\"); use \"j2\" with yield_stress, or \"linear_elastic\".");
+    if (m.kind != MaterialKind::j2) return std::nullopt;
+    if (!shell)
+        throw InputError("fem.part \"" + part.set +
+                         "\": kind = \"j2\" (fem.material \"" + m.name +
+                         "\") is for element = \"shell\" alone; for solids use \"tresca\" with "
+                         "shear_strength, half of the yield stress.");
+    return J2{LinearElastic::from_young(m.young_modulus, m.poisson_ratio), m.yield_stress,
+              m.hardening};
+}
+
 std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
     std::vector<Part> parts;
-    std::vector<int> part_of(mesh.hexahedra.size(), -1);
+    std::vector<int> part_of(mesh.n_elements(), -1);
     for (const FemPart& p : fem.part) {
         const auto material = std::find_if(fem.material.begin(), fem.material.end(),
                                            [&](const auto& m) { return m.name == p.material; });
@@ -54,7 +76,8 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
             throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
                              p.material + "\".");
         Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
-                  make_material(*material), material->weight_density};
+                  make_material(*material), material->weight_density, p.element, p.thickness,
+                  make_plane_plastic(*material, p)};
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +
@@ -70,17 +93,35 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
     return parts;
 }
 
+/// Rotations can be held at nodes of shells alone.
+void check_turned(const Support& support, const Mesh& mesh) {
+    if (support.turned == std::array<bool, 3>{}) return;
+    for (const Quad& shell : mesh.shells)
+        for (std::int32_t n : shell)
+            if (std::binary_search(support.nodes.begin(), support.nodes.end(), n)) return;
+    throw InputError("fem.support \"" + support.name +
+                     "\": fix names rotations, but no node of the set belongs to a shell; nodes of "
+                     "solids do not turn, so take \"rx\", \"ry\", \"rz\" and \"clamp\" out.");
+}
+
 std::vector<Support> make_supports(const FemSettings& fem, const Mesh& mesh) {
     std::vector<Support> supports;
     for (const FemSupport& s : fem.support) {
         Support support{s.set, mesh.nodes_of(s.set, "fem.support"), {}};
         for (const std::string& direction : s.fix) {
-            const std::size_t d = direction == "x" ? 0 : direction == "y" ? 1 : 2;
-            if (direction != "x" && direction != "y" && direction != "z")
+            if (direction == "clamp") {
+                support.fixed = support.turned = {true, true, true};
+                continue;
+            }
+            const char axis = direction.empty() ? ' ' : direction.back();
+            const std::string turn = std::string("r") + axis, move(1, axis);
+            if (axis < 'x' || axis > 'z' || (direction != turn && direction != move))
                 throw InputError("fem.support \"" + s.set + "\": fix = \"" + direction +
-                                 "\" must be of \"x\", \"y\", \"z\".");
-            support.fixed[d] = true;
+                                 "\" must be of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\", "
+                                 "\"clamp\".");
+            (direction == turn ? support.turned : support.fixed)[axis - 'x'] = true;
         }
+        check_turned(support, mesh);
         supports.push_back(std::move(support));
     }
     return supports;
@@ -96,19 +137,6 @@ void check_slab(const Mesh& mesh, double thickness) {
         throw InputError(
             "fem: a 2D case is a slab of case.thickness = " + std::to_string(thickness) +
             " m in y, but the mesh is " + std::to_string(high - low) + " m thick.");
-}
-
-CoupledSurface make_surface(const FemSettings& fem, const Mesh& mesh) {
-    CoupledSurface surface;
-    for (const FemSurface& s : fem.surface) {
-        const std::vector<Quad>& facets = mesh.facets_of(s.set, "fem.surface");
-        surface.quad.insert(surface.quad.end(), facets.begin(), facets.end());
-        surface.group.resize(surface.quad.size(), std::int32_t(surface.names.size()));
-        surface.names.push_back(s.name);
-    }
-    surface.node = nodes_of(surface.quad);
-    number_within(surface.node, surface.quad);
-    return surface;
 }
 
 std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
@@ -143,7 +171,8 @@ Model build_model(const Case& c, Mesh mesh) {
     model.supports = make_supports(c.fem, model.mesh);
     if (c.info.dimension == 2) {
         check_slab(model.mesh, c.info.thickness);
-        Support plane{"plane strain", {}, {false, true, false}};
+        Support plane{"plane strain", {}, {false, true, false}, {}};
+        if (!model.mesh.shells.empty()) plane.turned = {true, false, true};
         for (std::size_t n = 0; n < model.mesh.x.size(); ++n)
             plane.nodes.push_back(std::int32_t(n));
         model.supports.push_back(std::move(plane));
@@ -152,7 +181,10 @@ Model build_model(const Case& c, Mesh mesh) {
     check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);
-    model.surface = make_surface(c.fem, model.mesh);
+    for (const FemTraction& t : c.fem.traction)
+        model.tractions.emplace_back(model.mesh.facets_of(t.set, "fem.traction"), model.mesh.x,
+                                     t.value, t.ramp);
+    model.surface = make_coupled_surface(c, model.mesh, model.parts);
     model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
     model.far_field = make_far_field(c.fem, model.mesh, model.parts);
     model.water = make_static_water(c, model.mesh);

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "fem_solver/boundary/pressure.hpp"
+#include "fem_solver/boundary/traction.hpp"
 #include "fem_solver/contact_pairs/contact_set.hpp"
-#include "fem_solver/elements/hexahedra.hpp"
+#include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
@@ -17,15 +18,19 @@ namespace undertow::fem {
 struct Support {
     std::string name;  // its set
     std::vector<std::int32_t> nodes;
-    std::array<bool, 3> fixed{};  // x, y, z
+    std::array<bool, 3> fixed{};   // x, y, z
+    std::array<bool, 3> turned{};  // rotations about x, y, z that are held; of nodes of shells
 };
 
 /// The coupled surfaces as one list of facets on their own nodes.
 struct CoupledSurface {
     std::vector<std::string> names;
-    std::vector<std::int32_t> node;   // of the mesh, increasing
+    std::vector<std::int32_t> node;   // of the mesh, increasing; of a shell each on both its faces
     std::vector<Quad> quad;           // indices into `node`; normals out of the solid
     std::vector<std::int32_t> group;  // per quad, index into names
+    std::vector<double> offset;       // [m] of each node from the shell's middle, + and -; empty
+                                      // without shells
+    std::vector<std::int32_t> twin;   // of each node with an offset < 0 the one opposite
 };
 
 struct Probe {
@@ -39,6 +44,7 @@ struct Model {
     BulkViscosity bulk_viscosity;
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
+    std::vector<TractionLoad> tractions;
     CoupledSurface surface;
     std::vector<InitialStress> initial_stress;
     AbsorbingBoundary far_field;

@@ -11,10 +11,19 @@ namespace {
 
 const char* const freedom[6] = {"x", "y", "z", "rx", "ry", "rz"};
 
-double volume_of(const Mesh& mesh, const Hexahedron& h) {
+double volume_of(const Mesh& mesh, std::int32_t element) {
+    const std::span<const std::int32_t> corners = mesh.corners(element);
+    if (mesh.shape_of(element) == ElementShape::tetrahedron) {
+        double e[3][3];
+        for (int k = 0; k < 3; ++k)
+            for (int d = 0; d < 3; ++d) e[k][d] = mesh.x[corners[k + 1]][d] - mesh.x[corners[0]][d];
+        double c[3];
+        cross(e[1], e[2], c);
+        return dot(e[0], c) / 6;
+    }
     double x[3][8];
     for (int corner = 0; corner < 8; ++corner)
-        for (int d = 0; d < 3; ++d) x[d][corner] = mesh.x[h[corner]][d];
+        for (int d = 0; d < 3; ++d) x[d][corner] = mesh.x[corners[corner]][d];
     const Modes<double> modes[3] = {to_modes(x[0]), to_modes(x[1]), to_modes(x[2])};
     double C[6][3], D;
     mean_gradient(modes, C, D);
@@ -32,13 +41,17 @@ void weigh(const Case& c, const Mesh& mesh, const std::vector<int>& part_of, Rig
     Vec3 moment{};
     for (std::int32_t e : set.elements) {
         const FemMaterial& material = material_of(c.fem, std::size_t(part_of[e]));
-        const double volume = volume_of(mesh, mesh.hexahedra[e]);
+        if (mesh.shape_of(e) == ElementShape::shell)
+            throw InputError("fem.rigid \"" + set.name + "\": " + mesh.element_name(e) +
+                             " has no volume; a rigid body is made of solid elements.");
+        const std::span<const std::int32_t> corners = mesh.corners(e);
+        const double volume = volume_of(mesh, e), share = double(corners.size());
         const double weight = material.weight_density.value_or(material.density) * volume;
         set.weight_mass += weight;
-        for (std::int32_t n : mesh.hexahedra[e]) {
-            mass[n] += material.density * volume / 8;
+        for (std::int32_t n : corners) {
+            mass[n] += material.density * volume / share;
             set.nodes.push_back(n);
-            for (int d = 0; d < 3; ++d) moment[d] += weight / 8 * mesh.x[n][d];
+            for (int d = 0; d < 3; ++d) moment[d] += weight / share * mesh.x[n][d];
         }
     }
     std::sort(set.nodes.begin(), set.nodes.end());
@@ -60,9 +73,9 @@ void check_owners(const Mesh& mesh, const std::vector<RigidSet>& bodies,
                                  "; make them one body or mesh them apart.");
             owner[n] = int(b);
         }
-    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) {
+    for (std::size_t e = 0; e < mesh.n_elements(); ++e) {
         if (body_of[e] >= 0) continue;
-        for (std::int32_t n : mesh.hexahedra[e])
+        for (std::int32_t n : mesh.corners(e))
             if (owner[n] >= 0)
                 throw InputError("fem.rigid \"" + bodies[owner[n]].name + "\": its node at " +
                                  point_text(mesh.x[n]) + " also belongs to the deformable " +
@@ -76,7 +89,7 @@ void check_owners(const Mesh& mesh, const std::vector<RigidSet>& bodies,
 std::vector<RigidSet> take_rigid_sets(const Case& c, const Mesh& mesh, std::vector<Part>& parts) {
     std::vector<RigidSet> bodies;
     if (c.fem.rigid.empty()) return bodies;
-    std::vector<int> part_of(mesh.hexahedra.size(), -1), body_of(mesh.hexahedra.size(), -1);
+    std::vector<int> part_of(mesh.n_elements(), -1), body_of(mesh.n_elements(), -1);
     for (std::size_t p = 0; p < parts.size(); ++p)
         for (std::int32_t e : parts[p].elements) part_of[e] = int(p);
 

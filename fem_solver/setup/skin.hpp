@@ -3,6 +3,7 @@
 
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "fem_solver/mesh.hpp"
 
@@ -12,10 +13,10 @@ class Skin {
  public:
     explicit Skin(const Mesh& mesh);
 
-    /// The quad, counter-clockwise seen from outside. InputError when it is no face of a hexahedron
-    /// or lies between two; `what` names it.
+    /// The quad, counter-clockwise seen from outside; that of a shell as it is. InputError when it
+    /// is no face of an element or lies between two; `what` names it.
     Quad outward(const Quad& quad, const std::string& what) const;
-    /// The quad as it is. InputError when it is a face of a hexahedron.
+    /// The quad as it is. InputError when it is a face of an element.
     Quad outside(const Quad& quad, const std::string& what) const;
 
  private:
@@ -32,6 +33,7 @@ class Skin {
     };
     std::string source_;
     std::unordered_map<Quad, Face, Hash> face_;  // by sorted nodes
+    std::unordered_set<Quad, Hash> shell_;
 };
 
 }  // namespace undertow::fem

@@ -191,7 +191,8 @@ struct SphSettings {
     ViscositySolver viscosity_solver = ViscositySolver::automatic;   // "auto", "explicit", "implicit"
     double viscosity_tolerance = 1e-3;   // implicit: unbalanced acceleration over the mean one
     ViscousForm viscous_form = ViscousForm::laplacian;   // "laplacian": div(mu grad v), "strain":
-                                         // div(2 mu D), which lets a stiff body turn
+                                         // div(2 mu D), which lets a body turn and a free surface slip;
+                                         // explicit viscous steps are half as long
     // negative pressure: "spray" takes it from spray (momentum to round-off), "switched" also pushes
     // particles inside the fluid by pressure differences, "none" lets all clump
     TensionControl tension_control = TensionControl::spray;
@@ -221,37 +222,60 @@ struct SphSettings {
 };
 
 // ---------------------------------------------------------------- [fem]
-struct FemBlock {                        // [fem.block] structured mesh of hexahedra, instead of a file
+enum class BlockCells { hexahedra, tetrahedra };
+
+struct FemBlock {                        // [fem.block] structured mesh, instead of a file
     Box box;
     std::array<int, 3> divisions{1, 1, 1};
+    std::vector<Vec3> corners{};         // [m] eight, in the order of a hexahedron's nodes, instead of
+                                         // the box (which then bounds them)
+    BlockCells cells = BlockCells::hexahedra;  // "hexahedra", or each cut into six "tetrahedra"
     // volume set "block"; facet sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"; node sets alike
 };
 
-enum class MaterialKind { linear_elastic, tresca };
+enum class MaterialKind { linear_elastic, tresca, j2 };
 struct FemMaterial {                     // [[fem.material]]
     std::string name;
-    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca"
+    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca",
+                                         // "j2" (of shells)
     double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
     std::optional<double> weight_density{};  // [kg/m3] of the weight (under water: less the water's);
                                          // none = density
     double young_modulus = 0;            // [Pa]
     double poisson_ratio = 0;            // -1 to 0.5
     double shear_strength = 0;           // [Pa] s_u of "tresca"
+    double yield_stress = 0;             // [Pa] of "j2"
+    double hardening = 0;                // [Pa] of "j2": rise of the yield stress per plastic strain
 };
 
+/// How the elements of a part compute their stress. `automatic`: hexahedra "one_point", tetrahedra
+/// "averaged_pressure". Quads are elements where they are "shell".
+enum class ElementFormulation { automatic, one_point, b_bar, averaged_pressure, shell };
+
 struct FemPart {                         // [[fem.part]]
-    std::string set;                     // volume set of the mesh ($PhysicalNames)
+    std::string set;                     // volume set of the mesh ($PhysicalNames); of shells a
+                                         // surface
     std::string material;
+    ElementFormulation element = ElementFormulation::automatic;  // "one_point", "b_bar",
+                                                                 // "averaged_pressure", "shell"
+    double thickness = 0;                // [m] of "shell"
 };
 
 struct FemSupport {                      // [[fem.support]]
     std::string set;                     // node, facet or volume set
-    std::vector<std::string> fix;        // of "x", "y", "z"
+    std::vector<std::string> fix;        // of "x", "y", "z"; nodes of shells also "rx",
+                                         // "ry", "rz", and "clamp" for all six
 };
 
 struct FemPressure {                     // [[fem.pressure]] follows the deforming facets
     std::string set;
     double value = 0;                    // [Pa] positive pushes against the facet's outward normal
+    double ramp = 0;                     // [s] smooth rise from 0; 0 = at once
+};
+
+struct FemTraction {                     // [[fem.traction]] a load that neither turns nor grows with
+    std::string set;                     // its facets
+    Vec3 value{};                        // [Pa] force over undeformed area
     double ramp = 0;                     // [s] smooth rise from 0; 0 = at once
 };
 
@@ -325,6 +349,7 @@ struct FemSettings {
     std::vector<FemPart> part;
     std::vector<FemSupport> support;
     std::vector<FemPressure> pressure;
+    std::vector<FemTraction> traction;
     std::vector<FemSurface> surface;
     std::optional<FemWater> water;
     std::optional<FemGeostatic> geostatic;

@@ -37,6 +37,13 @@ const char* name(EquationOfState v) {
 const char* name(Slip v) {
     return v == Slip::free_slip ? "free" : v == Slip::no_slip ? "no_slip" : "friction";
 }
+const char* name(ElementFormulation v) {
+    return v == ElementFormulation::one_point           ? "one_point"
+           : v == ElementFormulation::b_bar             ? "b_bar"
+           : v == ElementFormulation::averaged_pressure ? "averaged_pressure"
+           : v == ElementFormulation::shell             ? "shell"
+                                                        : "auto";
+}
 const char* name(StiffnessLaw v) {
     return v == StiffnessLaw::fluid ? "fluid" : "eq11";
 }
@@ -212,24 +219,35 @@ void to_json(Json& j, const SphSettings& v) {
 }
 
 void to_json(Json& j, const FemBlock& v) {
-    j = {{"box", v.box}, {"divisions", v.divisions}};
+    j = {{"box", v.box},
+         {"divisions", v.divisions},
+         {"corners", v.corners},
+         {"cells", v.cells == BlockCells::tetrahedra ? "tetrahedra" : "hexahedra"}};
 }
 void to_json(Json& j, const FemMaterial& v) {
     j = {{"name", v.name},
-         {"kind", v.kind == MaterialKind::tresca ? "tresca" : "linear_elastic"},
+         {"kind", v.kind == MaterialKind::tresca ? "tresca"
+                  : v.kind == MaterialKind::j2   ? "j2"
+                                                 : "linear_elastic"},
          {"density", v.density},
          {"weight_density", v.weight_density.value_or(v.density)},
          {"young_modulus", v.young_modulus},
          {"poisson_ratio", v.poisson_ratio},
-         {"shear_strength", v.shear_strength}};
+         {"shear_strength", v.shear_strength},
+         {"yield_stress", v.yield_stress},
+         {"hardening", v.hardening}};
 }
 void to_json(Json& j, const FemPart& v) {
-    j = {{"set", v.set}, {"material", v.material}};
+    j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},
+         {"thickness", v.thickness}};
 }
 void to_json(Json& j, const FemSupport& v) {
     j = {{"set", v.set}, {"fix", v.fix}};
 }
 void to_json(Json& j, const FemPressure& v) {
+    j = {{"set", v.set}, {"value", v.value}, {"ramp", v.ramp}};
+}
+void to_json(Json& j, const FemTraction& v) {
     j = {{"set", v.set}, {"value", v.value}, {"ramp", v.ramp}};
 }
 void to_json(Json& j, const FemSurface& v) {
@@ -273,6 +291,7 @@ void to_json(Json& j, const FemSettings& v) {
          {"part", v.part},
          {"support", v.support},
          {"pressure", v.pressure},
+         {"traction", v.traction},
          {"surface", v.surface},
          {"water", v.water ? Json(*v.water) : Json(nullptr)},
          {"geostatic", v.geostatic ? Json(*v.geostatic) : Json(nullptr)},

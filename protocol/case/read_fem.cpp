@@ -1,5 +1,6 @@
 // [fem] with its mesh, materials, parts, supports, loads, surfaces and probes.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -26,18 +27,40 @@ void read_set(TableReader& reader, std::string& set, const FemSettings& fem,
         reader.text("set", set);
 }
 
+/// Smallest box about the corners.
+Box box_about(const std::vector<Vec3>& corners) {
+    Box box{corners.front(), corners.front()};
+    for (const Vec3& x : corners)
+        for (std::size_t d = 0; d < 3; ++d) {
+            box.min[d] = std::min(box.min[d], x[d]);
+            box.max[d] = std::max(box.max[d], x[d]);
+        }
+    return box;
+}
+
 void read_block(TableReader& reader, FemBlock& block, const CaseInfo& info) {
-    reader.require("box", "the box { min, max } of the block");
+    if (reader.has("corners")) {
+        if (reader.has("box"))
+            reader.reject("corners", "is one shape too many: the block has a box as well; keep one "
+                                     "of the two.");
+        reader.points("corners", block.corners, 8);
+        block.box = box_about(block.corners);
+    } else {
+        reader.require("box", "the box { min, max } of the block, or its eight corners");
+    }
     reader.require("divisions", "the number of elements [x, y, z]");
     reader.box("box", block.box);
     reader.divisions("divisions", block.divisions);
+    reader.choice<BlockCells>(
+        "cells", block.cells,
+        {{"hexahedra", BlockCells::hexahedra}, {"tetrahedra", BlockCells::tetrahedra}});
     if (info.dimension != 2) return;
     if (reader.has("divisions") && block.divisions[1] != 1)
         reader.reject("divisions",
                       "is not allowed: a 2D case has one element out of plane, [x, 1, z].");
     const double depth = block.box.max[1] - block.box.min[1];
-    if (reader.has("box") && std::abs(depth - info.thickness) > 1e-9 * info.thickness)
-        reader.reject("box",
+    if ((reader.has("box") || !block.corners.empty()) && std::abs(depth - info.thickness) > 1e-9 * info.thickness)
+        reader.reject(block.corners.empty() ? "box" : "corners",
                       "does not fit: its y extent must equal case.thickness, because contact "
                       "forces of a 2D case are scaled by it.");
 }
@@ -50,7 +73,9 @@ void read_material(TableReader& reader, FemMaterial& material) {
     reader.text("name", material.name);
     reader.choice<MaterialKind>(
         "kind", material.kind,
-        {{"linear_elastic", MaterialKind::linear_elastic}, {"tresca", MaterialKind::tresca}});
+        {{"linear_elastic", MaterialKind::linear_elastic},
+         {"tresca", MaterialKind::tresca},
+         {"j2", MaterialKind::j2}});
     reader.number("density", material.density, positive("kg/m3"));
     double weight_density = 0;
     reader.number("weight_density", weight_density, any("kg/m3"));
@@ -61,7 +86,15 @@ void read_material(TableReader& reader, FemMaterial& material) {
     if (material.kind == MaterialKind::tresca)
         reader.require("shear_strength", "the undrained shear strength s_u in Pa");
     else if (reader.has("shear_strength"))
-        reader.reject("shear_strength", "has no effect on kind = \"linear_elastic\".");
+        reader.reject("shear_strength", "has no effect but on kind = \"tresca\".");
+    reader.number("yield_stress", material.yield_stress, positive("Pa"));
+    reader.number("hardening", material.hardening, at_least(0, "Pa"));
+    if (material.kind == MaterialKind::j2) {
+        reader.require("yield_stress", "the yield stress in uniaxial tension in Pa");
+        return;
+    }
+    for (const char* key : {"yield_stress", "hardening"})
+        if (reader.has(key)) reader.reject(key, "has no effect but on kind = \"j2\".");
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.
@@ -159,12 +192,28 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         read_set(entry, part.set, fem, {"block"});
         entry.require("material", "the name of a [[fem.material]]");
         entry.word("material", part.material, materials);
+        entry.choice<ElementFormulation>("element", part.element,
+                                         {{"one_point", ElementFormulation::one_point},
+                                          {"b_bar", ElementFormulation::b_bar},
+                                          {"averaged_pressure",
+                                           ElementFormulation::averaged_pressure},
+                                          {"shell", ElementFormulation::shell}});
+        entry.number("thickness", part.thickness, positive("m"));
+        if (part.element == ElementFormulation::shell)
+            entry.require("thickness", "the thickness of the shell in m");
+        else if (entry.has("thickness"))
+            entry.reject("thickness", "has no effect but with element = \"shell\".");
+        if (part.element == ElementFormulation::shell && fem.block)
+            entry.reject("element",
+                         "needs quads, but [fem.block] is made of hexahedra; bring the "
+                         "shell in a fem.mesh, as a physical surface.");
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();
         read_set(entry, support.set, fem, with(block_facets, "block"));
-        entry.require("fix", "a list of \"x\", \"y\", \"z\"");
-        entry.words("fix", support.fix, {"x", "y", "z"});
+        entry.require("fix", "a list of \"x\", \"y\", \"z\", and of shells \"rx\", \"ry\", \"rz\", "
+                             "\"clamp\"");
+        entry.words("fix", support.fix, {"x", "y", "z", "rx", "ry", "rz", "clamp"});
     });
     reader.tables("pressure", [&](TableReader& entry) {
         FemPressure& pressure = fem.pressure.emplace_back();
@@ -172,6 +221,13 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         entry.require("value", "the pressure in Pa");
         entry.number("value", pressure.value, any("Pa"));
         entry.number("ramp", pressure.ramp, at_least(0, "s"));
+    });
+    reader.tables("traction", [&](TableReader& entry) {
+        FemTraction& traction = fem.traction.emplace_back();
+        read_set(entry, traction.set, fem, block_facets);
+        entry.require("value", "the force over undeformed area [x, y, z] in Pa");
+        entry.vector("value", traction.value, "Pa");
+        entry.number("ramp", traction.ramp, at_least(0, "s"));
     });
     reader.tables("surface", [&](TableReader& entry) {
         FemSurface& surface = fem.surface.emplace_back();

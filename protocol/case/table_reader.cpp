@@ -199,6 +199,24 @@ void TableReader::polygon(const std::string& key, std::vector<std::array<double,
     if (!allowed) reject(key, "is not allowed: at least three corners [x, z] in m are expected.");
 }
 
+void TableReader::points(const std::string& key, std::vector<Vec3>& target, std::size_t count) {
+    const Node* node = find(key);
+    if (!node) return;
+    const auto allowed = [](const Node& point) {
+        return point.is(Node::Kind::array) && point.items.size() == 3 &&
+               std::all_of(point.items.begin(), point.items.end(), [](const Node& item) {
+                   return is_number(item) && std::isfinite(item.number);
+               });
+    };
+    if (!node->is(Node::Kind::array) || node->items.size() != count ||
+        !std::all_of(node->items.begin(), node->items.end(), allowed))
+        reject(key, "is not allowed: " + std::to_string(count) +
+                        " points [x, y, z] in m are expected.");
+    target.clear();
+    for (const Node& point : node->items)
+        target.push_back({point.items[0].number, point.items[1].number, point.items[2].number});
+}
+
 void TableReader::box(const std::string& key, Box& target, const std::string& axes) {
     table(key, [&](TableReader& reader) {
         reader.require("min", "[x, y, z], its lower corner");

@@ -64,6 +64,8 @@ class TableReader {
     void divisions(const std::string& key, std::array<int, 3>& target);
     /// [[x, z], ...], at least three corners.
     void polygon(const std::string& key, std::vector<std::array<double, 2>>& target);
+    /// [[x, y, z], ...], `count` points.
+    void points(const std::string& key, std::vector<Vec3>& target, std::size_t count);
     /// { min = [...], max = [...] } with max > min in all of `axes`.
     void box(const std::string& key, Box& target, const std::string& axes = "xyz");
     /// One of `known`.

@@ -39,10 +39,19 @@ class ParticleFile {
     std::int64_t part_start_ = 0;      // where the latest one starts
 };
 
-/// A mesh with fixed connectivity (8-node hexahedra, VTK ordering); positions move.
+/// Cells by their nodes in VTK's order, 8, 4 and 4 each; numbered in this order.
+struct MeshCells {
+    std::vector<std::int32_t> hexahedra, tetrahedra, quads;
+
+    std::size_t count() const {
+        return hexahedra.size() / 8 + tetrahedra.size() / 4 + quads.size() / 4;
+    }
+};
+
+/// A mesh with fixed connectivity; positions move.
 class MeshFile {
  public:
-    MeshFile(const std::string& path, std::size_t nodes, std::span<const std::int32_t> hexahedra);
+    MeshFile(const std::string& path, std::size_t nodes, const MeshCells& cells);
     /// x [m] (nodes, 3) deformed positions.
     void append(double t, std::span<const double> x, const std::vector<Field>& point_fields,
                 const std::vector<Field>& cell_fields);
@@ -52,6 +61,7 @@ class MeshFile {
  private:
     std::string path_;
     std::size_t nodes_, cells_;
+    std::size_t mixed_words_ = 0;      // length of /Views/Cells; 0 = hexahedra alone
     std::vector<double> times_;
     std::vector<std::array<std::string, 3>> point_layout_, cell_layout_;
 };

@@ -1,4 +1,4 @@
-// A mesh of hexahedra as VTKHDF UnstructuredGrid: one part whose connectivity all steps share.
+// A mesh as VTKHDF UnstructuredGrid: one part whose connectivity all steps share.
 
 #include <stdexcept>
 
@@ -9,41 +9,75 @@ namespace undertow {
 
 namespace {
 
-constexpr std::uint8_t vtk_hexahedron = 12;
+/// One kind of cells, as VTK and XDMF number it.
+struct CellKind {
+    std::uint8_t vtk;
+    std::int64_t xdmf;
+    std::size_t corners;
+};
+constexpr CellKind hexahedron{12, 9, 8}, tetrahedron{10, 6, 4}, quad{9, 5, 4};
 
-/// The connectivity goes in twice: flat for VTKHDF, as rows of eight for XDMF (64 byte per cell).
-void write_topology(hdf5::File& file, std::size_t nodes, std::span<const std::int32_t> hexahedra) {
-    const std::size_t cells = hexahedra.size() / 8;
-    const std::vector<std::int64_t> connectivity(hexahedra.begin(), hexahedra.end());
-    std::vector<std::int64_t> offsets(cells + 1);
-    for (std::size_t cell = 0; cell <= cells; ++cell)
-        offsets[cell] = static_cast<std::int64_t>(8 * cell);
-    const std::vector<std::uint8_t> types(cells, vtk_hexahedron);
-    const hsize_t chunk = vtkhdf::chunk_rows(cells);
+/// Connectivity of all cells, as both formats want it.
+struct Topology {
+    std::vector<std::int64_t> connectivity, offsets{0};  // flat, for VTKHDF
+    std::vector<std::uint8_t> types;
+    std::vector<std::int64_t> mixed;  // kind and nodes of each cell, for XDMF
+
+    void add(const CellKind& kind, const std::vector<std::int32_t>& nodes) {
+        for (std::size_t n = 0; n < nodes.size(); ++n) {
+            if (n % kind.corners == 0) {
+                types.push_back(kind.vtk);
+                mixed.push_back(kind.xdmf);
+                offsets.push_back(offsets.back() + static_cast<std::int64_t>(kind.corners));
+            }
+            connectivity.push_back(nodes[n]);
+            mixed.push_back(nodes[n]);
+        }
+    }
+};
+
+/// The connectivity goes in twice: flat for VTKHDF, and for XDMF as rows of eight of the hexahedra
+/// (64 byte per cell) or, when there are other cells too, as one list of all kinds. Returns that
+/// list's length, 0 without it.
+std::size_t write_topology(hdf5::File& file, std::size_t nodes, const MeshCells& mesh) {
+    Topology cells;
+    cells.add(hexahedron, mesh.hexahedra);
+    cells.add(tetrahedron, mesh.tetrahedra);
+    cells.add(quad, mesh.quads);
+    const bool mixed = !mesh.tetrahedra.empty() || !mesh.quads.empty();
+    const std::size_t n = cells.types.size(), ids = cells.connectivity.size();
+    const hsize_t chunk = vtkhdf::chunk_rows(n);
     file.create_growing("/VTKHDF/Connectivity", H5T_STD_I64LE, 0, 8 * chunk);
     file.create_growing("/VTKHDF/Offsets", H5T_STD_I64LE, 0, chunk);
     file.create_growing("/VTKHDF/Types", H5T_STD_U8LE, 0, chunk);
-    file.create_growing("/Views/Hexahedra", H5T_STD_I64LE, 8, chunk);
-    file.append_rows("/VTKHDF/Connectivity", H5T_NATIVE_INT64, 8 * cells, connectivity.data());
-    file.append_rows("/VTKHDF/Offsets", H5T_NATIVE_INT64, cells + 1, offsets.data());
-    file.append_rows("/VTKHDF/Types", H5T_NATIVE_UINT8, cells, types.data());
-    file.append_rows("/Views/Hexahedra", H5T_NATIVE_INT64, cells, connectivity.data());
+    file.append_rows("/VTKHDF/Connectivity", H5T_NATIVE_INT64, ids, cells.connectivity.data());
+    file.append_rows("/VTKHDF/Offsets", H5T_NATIVE_INT64, n + 1, cells.offsets.data());
+    file.append_rows("/VTKHDF/Types", H5T_NATIVE_UINT8, n, cells.types.data());
+    if (!mesh.hexahedra.empty()) {  // also of a mixed mesh: pictures read them
+        file.create_growing("/Views/Hexahedra", H5T_STD_I64LE, 8, chunk);
+        file.append_rows("/Views/Hexahedra", H5T_NATIVE_INT64, mesh.hexahedra.size() / 8,
+                         cells.connectivity.data());
+    }
+    if (mixed) {
+        file.create_growing("/Views/Cells", H5T_STD_I64LE, 0, 8 * chunk);
+        file.append_rows("/Views/Cells", H5T_NATIVE_INT64, cells.mixed.size(), cells.mixed.data());
+    }
     for (const char* table : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
         file.create_growing(std::string("/VTKHDF/") + table, H5T_STD_I64LE, 0, 64);
     vtkhdf::append_numbers(file, "/VTKHDF/NumberOfPoints", {static_cast<std::int64_t>(nodes)});
-    vtkhdf::append_numbers(file, "/VTKHDF/NumberOfCells", {static_cast<std::int64_t>(cells)});
+    vtkhdf::append_numbers(file, "/VTKHDF/NumberOfCells", {static_cast<std::int64_t>(n)});
     vtkhdf::append_numbers(file, "/VTKHDF/NumberOfConnectivityIds",
-                           {static_cast<std::int64_t>(8 * cells)});
+                           {static_cast<std::int64_t>(ids)});
+    return mixed ? cells.mixed.size() : 0;
 }
 
 }  // namespace
 
-MeshFile::MeshFile(const std::string& path, std::size_t nodes,
-                   std::span<const std::int32_t> hexahedra)
-    : path_(path), nodes_(nodes), cells_(hexahedra.size() / 8) {
+MeshFile::MeshFile(const std::string& path, std::size_t nodes, const MeshCells& cells)
+    : path_(path), nodes_(nodes), cells_(cells.count()) {
     hdf5::File file = hdf5::File::create(hdf_path());
     vtkhdf::create_root(file, "UnstructuredGrid");
-    write_topology(file, nodes, hexahedra);
+    mixed_words_ = write_topology(file, nodes, cells);
     file.create_growing("/VTKHDF/Points", H5T_IEEE_F32LE, 3, vtkhdf::chunk_rows(nodes));
     file.create_growing("/VTKHDF/Steps/CellOffsets", H5T_STD_I64LE, 0, 256);
     file.create_growing("/VTKHDF/Steps/ConnectivityIdOffsets", H5T_STD_I64LE, 0, 256);
@@ -94,7 +128,7 @@ void MeshFile::append(double t, std::span<const double> x, const std::vector<Fie
     write_xdmf(path_ + ".xdmf",
                {name, static_cast<std::int64_t>(cells_), times_,
                 std::vector<std::int64_t>(times_.size(), static_cast<std::int64_t>(nodes_)),
-                point_layout_, cell_layout_, false});
+                point_layout_, cell_layout_, false, static_cast<std::int64_t>(mixed_words_)});
 }
 
 }  // namespace undertow

@@ -30,7 +30,7 @@ std::string attribute(const XdmfSeries& series, const std::string& group, const 
 }
 
 std::string topology(const XdmfSeries& series, std::size_t step) {
-    if (series.hexahedra == 0) {
+    if (series.cells == 0) {
         const std::int64_t n = series.points[step];
         return fmt::format(
             "        <Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\" "
@@ -38,10 +38,15 @@ std::string topology(const XdmfSeries& series, std::size_t step) {
             "</Topology>\n",
             n, item(series, view_group(step) + "/Vertices", "Int", 8, fmt::format("{}", n)));
     }
+    if (series.mixed_words > 0)
+        return fmt::format(
+            "        <Topology TopologyType=\"Mixed\" NumberOfElements=\"{}\">{}</Topology>\n",
+            series.cells,
+            item(series, "/Views/Cells", "Int", 8, fmt::format("{}", series.mixed_words)));
     return fmt::format(
         "        <Topology TopologyType=\"Hexahedron\" NumberOfElements=\"{}\">{}</Topology>\n",
-        series.hexahedra,
-        item(series, "/Views/Hexahedra", "Int", 8, fmt::format("{} 8", series.hexahedra)));
+        series.cells,
+        item(series, "/Views/Hexahedra", "Int", 8, fmt::format("{} 8", series.cells)));
 }
 
 }  // namespace
@@ -70,7 +75,7 @@ void write_xdmf(const std::string& path, const XdmfSeries& series) {
         for (const FieldLayout& field : series.point_fields)
             text += attribute(series, group + "/PointData", field, "Node", n);
         for (const FieldLayout& field : series.cell_fields)
-            text += attribute(series, group + "/CellData", field, "Cell", series.hexahedra);
+            text += attribute(series, group + "/CellData", field, "Cell", series.cells);
         text += "      </Grid>\n";
     }
     text += "    </Grid>\n  </Domain>\n</Xdmf>\n";

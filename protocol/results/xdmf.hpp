@@ -14,11 +14,13 @@ using FieldLayout = std::array<std::string, 3>;
 
 struct XdmfSeries {
     std::string hdf_name;                  // "sph.vtkhdf", in the sidecar's own folder
-    std::int64_t hexahedra = 0;            // 0 = particles
+    std::int64_t cells = 0;                // 0 = particles
     std::vector<double> times;             // [s]
     std::vector<std::int64_t> points;      // per step
     std::vector<FieldLayout> point_fields, cell_fields;
     bool ids = false;                      // particles carry the int64 field "id"
+    std::int64_t mixed_words = 0;          // cells of several kinds: length of /Views/Cells; 0 =
+                                           // hexahedra alone
 };
 
 /// "/Views/00003"

@@ -7,8 +7,9 @@ import numpy as np
 # Measured on two Zen 4 cores at 96 neighbors; other machines differ, so the result is an estimate.
 PARTICLE_STEPS_PER_S = 14e6 / 2       # per core
 ELEMENT_STEPS_PER_S = 20e6            # per core, one-point hexahedra in double
+BBAR_STEPS_PER_S = 8e6                # the same of 8-point hexahedra
 SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does not hide
-PARTICLE_BYTES = 400                  # state in double, packed copies, neighbor list
+PARTICLE_BYTES = 600                  # state in double, packed copies, neighbor list, share of walls
 ELEMENT_BYTES = 600                   # node and element state, connectivity
 SPH_STEP_MARGIN = 0.75                # a run's mean step over the estimate: impacts shorten it
 ONE_PASS, TWO_PASS = 0.25, 0.9        # c0 dt/dx of the two integrators, with their margins
@@ -110,7 +111,9 @@ def fem_mesh(case):
     n = block["divisions"]
     lengths = [(block["box"]["max"][k] - block["box"]["min"][k]) / n[k] for k in range(3)]
     facets = {"x": n[1] * n[2], "y": n[0] * n[2], "z": n[0] * n[1]}
-    return min(lengths), math.prod(n), sum(facets[s["set"][0]] for s in case["fem"]["surface"])
+    in_six = block.get("cells") == "tetrahedra"     # whose heights are about half a cell's edge
+    return (min(lengths) * (0.5 if in_six else 1), math.prod(n) * (6 if in_six else 1),
+            sum(facets[s["set"][0]] for s in case["fem"]["surface"]) * (2 if in_six else 1))
 
 
 def wave_speed(material):
@@ -168,7 +171,8 @@ def estimate(case, threads):
     work_s.append(result["particles"] * steps / (PARTICLE_STEPS_PER_S * threads))
     # The FEM solver has one thread beside the particle solver's, and computes at the same time
     # only if a core is free.
-    work_s.append(result["elements"] * steps / ELEMENT_STEPS_PER_S)
+    eight_points = case["fem"] and any(part.get("element") == "b_bar" for part in case["fem"]["part"])
+    work_s.append(result["elements"] * steps / (BBAR_STEPS_PER_S if eight_points else ELEMENT_STEPS_PER_S))
     if case["coupled"]:
         work_s.append(steps * SECONDS_PER_COUPLED_STEP)
         result["notes"] += contact_facts(case)

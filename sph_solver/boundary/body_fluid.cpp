@@ -77,7 +77,10 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
             sum.weight += w;
             const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
             sum.share[own] += w;
-            if (viscous) sum.viscosity += w * neighbors.viscosity_in<Real>()[*at];
+            if (viscous) {
+                const Real root_mu = neighbors.root_viscosity_in<Real>()[*at];
+                sum.viscosity += w * root_mu * root_mu;
+            }
             sum.pressure +=
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
             const Vec3 v = shown(*at, neighbors, mirror, reflected);

@@ -11,6 +11,7 @@ namespace undertow::sph {
 namespace {
 
 constexpr double shear_range = 1.5;  // [dx] where the weight of add_stress ends
+constexpr int asked_at_once = 1 << 15;  // particles: all are asked at the first rebuild
 
 }  // namespace
 
@@ -18,16 +19,26 @@ int NearWalls::put_back(Particles& particles, const Bodies& bodies, const Period
                         double travelled, double range) {
     candidates_.clear();
     if (bodies.count() == 0) return 0;
+    int count = 0;
+    const int n = static_cast<int>(particles.size());
+    for (int first = 0; first < n; first += asked_at_once)
+        count += put_back(particles, bodies, periodic, travelled, range, first,
+                          std::min(n, first + asked_at_once));
+    return count;
+}
+
+int NearWalls::put_back(Particles& particles, const Bodies& bodies, const Periodic& periodic,
+                        double travelled, double range, int first, int last) {
     Particles& s = particles;
-    for (std::size_t i = 0; i < s.size(); ++i) {
+    const int kept = static_cast<int>(candidates_.size());
+    for (int i = first; i < last; ++i) {
         if (s.id[i] >= static_cast<std::int64_t>(safe_until_.size()))
             safe_until_.resize(s.id[i] + 1, -1.0);
-        if (safe_until_[s.id[i]] <= travelled)
-            candidates_.push_back({static_cast<int>(i), s.id[i], 0, {}});
+        if (safe_until_[s.id[i]] <= travelled) candidates_.push_back({i, s.id[i], 0, {}});
     }
     const int n = static_cast<int>(candidates_.size());
 #pragma omp parallel for schedule(dynamic, 64)
-    for (int k = 0; k < n; ++k) {
+    for (int k = kept; k < n; ++k) {
         Candidate& c = candidates_[k];
         const Vec3 x{s.x[c.particle], s.y[c.particle], s.z[c.particle]};
         for (int b = 0; b < bodies.count(); ++b) {
@@ -35,9 +46,8 @@ int NearWalls::put_back(Particles& particles, const Bodies& bodies, const Period
             if (b == 0 || from.distance < c.from.distance) c.from = from, c.body = b;
         }
     }
-    int count = 0;
-    std::size_t near = 0;
-    for (int k = 0; k < n; ++k) {
+    int count = 0, near = kept;
+    for (int k = kept; k < n; ++k) {
         Candidate& c = candidates_[k];
         const int i = c.particle;
         FromSurface& from = c.from;

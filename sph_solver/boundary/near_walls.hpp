@@ -57,6 +57,10 @@ class NearWalls {
     }
 
  private:
+    /// The same for particles first to last - 1.
+    int put_back(Particles& particles, const Bodies& bodies, const Periodic& periodic,
+                 double travelled, double range, int first, int last);
+
     struct Rubbing {
         int particle;     // sorted index
         int wall;         // planes first, then bodies

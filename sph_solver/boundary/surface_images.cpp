@@ -37,6 +37,7 @@ void SurfaceImages::place(std::vector<std::int32_t> quad, std::vector<double> x)
     quad_ = std::move(quad);
     x_ = std::move(x);
     stale_ = true;
+    lift_.resize(expected_);
 }
 
 void SurfaceImages::find_near(const Particles& particles, double range) {
@@ -306,11 +307,12 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale() / physics.lattice_moment;
     // of the records: the sums have found the next ones already
     const ExactShown& exact = neighbors.exact();
-    const bool variable = !neighbors.viscosity().empty();
-    const auto viscosity = [&](int j) {
-        return exact.used ? exact.viscosity[j] : double(neighbors.viscosity()[j]);
+    const bool variable = !neighbors.root_viscosity().empty();
+    const auto root_mu = [&](int j) {
+        return exact.used ? exact.root_viscosity[j] : double(neighbors.root_viscosity()[j]);
     };
     const double per_moment = physics.implicit_viscosity ? 0 : 2;
+    const bool strain = physics.explicit_form() == ViscousForm::strain;
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;
@@ -377,9 +379,16 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                      level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
         const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
         const double pair_mu =
-            variable ? harmonic_mean(viscosity(a), viscosity(b)) : mu[of_a][of_b];
-        const double laminar = per_moment * pair_mu * F;
-        const double mean = p.p[a] + p.p[b] + viscous;
+            variable ? mean_viscosity(of_a == of_b ? 1.0 : 0.0, root_mu(a), root_mu(b))
+                     : mu[of_a][of_b];
+        double laminar = per_moment * pair_mu * F, stress = 0;
+        if (strain) {   // along x_ij', as a pressure
+            stress = -per_moment * pair_mu * approach *
+                     std::max(0.0, physics.strain_weight.near / r2 +
+                                       physics.strain_weight.far * inverse_h * inverse_h);
+            laminar = 0;
+        }
+        const double mean = p.p[a] + p.p[b] + viscous + stress;
         const double gn_a = dot(weight[of_a], n), gn_b = dot(weight[of_b], n);
         const double volumes = i.volume * j.volume;
         // normal: P_i = p_i + p_j - 2 s_j rho0_j g.n, of the image; along the wall their mean, so

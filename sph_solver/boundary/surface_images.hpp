@@ -35,9 +35,12 @@ namespace undertow::sph {
 
 class SurfaceImages {
  public:
-    /// For particles of identities 0 to n - 1.
-    void expect(std::size_t n) { lift_.resize(n); }
-    std::size_t expected() const { return lift_.size(); }
+    /// For particles of identities 0 to n - 1; they cost memory once there is a surface.
+    void expect(std::size_t n) {
+        expected_ = n;
+        if (placed()) lift_.resize(n);
+    }
+    std::size_t expected() const { return expected_; }
     /// Facets (F, 4), counter-clockwise seen from the fluid, a triangle repeats its third node;
     /// x (N, 3) [m] in the particles' coordinates.
     void place(std::vector<std::int32_t> quad, std::vector<double> x);
@@ -53,7 +56,8 @@ class SurfaceImages {
         bool listed = false;                           // not at rest
     };
     const Lift& lift(std::int64_t id) const {
-        return lift_[id];
+        static const Lift at_rest;
+        return lift_.empty() ? at_rest : lift_[id];
     }
     /// e += dt rate of the particles near the surface. Returns the largest |rate| [m/s].
     double advance(double dt);
@@ -112,7 +116,8 @@ class SurfaceImages {
     std::vector<Pair> dealt_;          // scratch
     std::vector<Pair> pairs_;          // those within a block of near_, block by block, then the rest
     std::vector<std::size_t> block_begin_;   // [blocks + 1] into pairs_
-    std::vector<Lift> lift_;  // by identity
+    std::size_t expected_ = 0;
+    std::vector<Lift> lift_;  // by identity; empty before the first place()
     std::vector<std::int64_t> lifted_;  // identities of the entries that are not at rest
     double spacing_ = 0;  // [m]
     bool stale_ = false;

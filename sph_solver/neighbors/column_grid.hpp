@@ -1,7 +1,9 @@
 #pragma once
 // Cells that stand in columns: wide in x and y, thin in z. Particles sorted by cell number walk up one
 // column and down the next (and the rows of columns back and forth), so that any eight consecutive
-// ones lie close together: they form a cluster, the lanes of the pair loop.
+// ones lie close together: they form a cluster, the lanes of the pair loop. Rows run along the shorter
+// of x and y, and wide floors are sorted in strips of short rows: the rows that a kernel reaches
+// (five of them) then stay in a core's cache while the pair loop walks over them.
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +21,7 @@ class ColumnGrid {
         nx_ = count(hi[0] - x0_, inverse_width_);
         ny_ = count(hi[1] - y0_, inverse_width_);
         nz_ = count(hi[2] - z0_, inverse_height_);
+        along_y_ = ny_ < nx_;
     }
 
     std::int64_t cells() const { return std::int64_t(nx_) * ny_ * nz_; }
@@ -59,10 +62,20 @@ class ColumnGrid {
     static int clamp(double cell, int n) {
         return static_cast<int>(std::clamp(cell, 0.0, n - 1.0));
     }
+    /// Of a column: strips of the floor one after the other, rows of a strip, columns of a row; back
+    /// and forth everywhere, so that consecutive columns touch.
     std::int64_t rank(int ix, int iy) const {
-        return std::int64_t(iy) * nx_ + (iy % 2 ? nx_ - 1 - ix : ix);
+        const int along = along_y_ ? iy : ix, across = along_y_ ? ix : iy;
+        const int n_along = along_y_ ? ny_ : nx_, n_across = along_y_ ? nx_ : ny_;
+        const int strip = along / row, first = strip * row;
+        const int width = std::min(row, n_along - first);
+        const int line = strip % 2 ? n_across - 1 - across : across;
+        const int at = line % 2 ? width - 1 - (along - first) : along - first;
+        return std::int64_t(first) * n_across + std::int64_t(line) * width + at;
     }
 
+    static constexpr int row = 48;   // columns: five rows of 30 particles' height are 400 KiB
+    bool along_y_ = false;
     double x0_ = 0, y0_ = 0, z0_ = 0, width_ = 1, inverse_width_ = 1, inverse_height_ = 1;
     int nx_ = 1, ny_ = 1, nz_ = 1;
 };

@@ -56,6 +56,18 @@ void Neighborhood::lay_out_grid(const Particles& particles, const Periodic& peri
     std::copy(hi, hi + 3, hi_);
 }
 
+/// To be called by all threads of a parallel region; one array at a time, so that scratch stays small.
+template <class T>
+void Neighborhood::reorder(std::vector<T>& array, std::vector<T>& scratch) const {
+#pragma omp single
+    scratch.resize(array.size());
+    const int n = static_cast<int>(order_.size()), padded = static_cast<int>(array.size());
+#pragma omp for schedule(static)
+    for (int k = 0; k < padded; ++k) scratch[k] = array[k < n ? order_[k] : k];
+#pragma omp single
+    array.swap(scratch);
+}
+
 void Neighborhood::sort(Particles& particles) {
     const int n = static_cast<int>(particles.size());
     cell_.resize(n);
@@ -63,37 +75,16 @@ void Neighborhood::sort(Particles& particles) {
     for (int i = 0; i < n; ++i)
         cell_[i] = grid_.cell(particles.x[i], particles.y[i], particles.z[i]);
     counting_sort(cell_, grid_.cells(), order_, fluid_start_);
-    // one sweep out and one back instead of a parallel region per array
-    Particles& p = particles;
-    const auto real = p.reals();
-    constexpr int reals = std::tuple_size_v<decltype(p.reals())>;
-    scratch_.resize(std::size_t(n) * reals);
-    scratch_id_.resize(n);
-    scratch_byte_.resize(n);
-    const bool viscous = !p.viscosity.empty();
-    scratch_viscous_.resize(viscous ? 2 * std::size_t(n) : 0);
+    const bool viscous = !particles.viscosity.empty();
+    const auto reals = particles.reals();
 #pragma omp parallel
     {
-#pragma omp for schedule(static)
-        for (int k = 0; k < n; ++k) {
-            const int from = order_[k];
-            for (int a = 0; a < reals; ++a)
-                scratch_[std::size_t(k) * reals + a] = (*real[a])[from];
-            scratch_id_[k] = p.id[from];
-            scratch_byte_[k] = p.fluid[from];
-            if (viscous)
-                scratch_viscous_[2 * std::size_t(k)] = p.viscosity[from],
-                                     scratch_viscous_[2 * std::size_t(k) + 1] = p.shear_rate[from];
-        }
-#pragma omp for schedule(static)
-        for (int k = 0; k < n; ++k) {
-            for (int a = 0; a < reals; ++a)
-                (*real[a])[k] = scratch_[std::size_t(k) * reals + a];
-            p.id[k] = scratch_id_[k];
-            p.fluid[k] = scratch_byte_[k];
-            if (viscous)
-                p.viscosity[k] = scratch_viscous_[2 * std::size_t(k)],
-                p.shear_rate[k] = scratch_viscous_[2 * std::size_t(k) + 1];
+        for (std::vector<double>* array : reals) reorder(*array, scratch_);
+        reorder(particles.id, scratch_id_);
+        reorder(particles.fluid, scratch_byte_);
+        if (viscous) {
+            reorder(particles.viscosity, scratch_);
+            reorder(particles.shear_rate, scratch_);
         }
     }
 }
@@ -139,10 +130,10 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
     for (std::size_t k = 0; k < extras_.size(); ++k) extras_[k] = unsorted_extras_[order_[k]];
 
     records_.resize(fluid_count_ + extras_.size());
-    if (!particles.viscosity.empty()) viscosity_.resize(records_.size());
+    if (!particles.viscosity.empty()) root_viscosity_.resize(records_.size());
     if (exact_.used) {
         exact_.records.resize(records_.size());
-        if (!particles.viscosity.empty()) exact_.viscosity.resize(records_.size());
+        if (!particles.viscosity.empty()) exact_.root_viscosity.resize(records_.size());
     }
     const auto pack = [&](Packed& q, double x, double y, double z) {
         q.x = fixed_(x, fixed_.x0), q.y = fixed_(y, fixed_.y0), q.z = fixed_(z, fixed_.z0);
@@ -200,18 +191,17 @@ void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const Mir
     // (images of dummies are skipped in the sum).
     body_targets_.clear();
     if (bodies.size() == 0) return;
-    body_records_ = records_;
-    body_records_.resize(fluid_count_ + extras_.size());
+    const std::size_t records = records_.size();
     for (std::size_t k = 0; k < extras_.size(); ++k)
         if (extras_[k].from_body && extras_[k].mask == 0) {
             body_targets_.push_back(extras_[k].source);
-            body_records_.push_back(records_[fluid_count_ + k]);
+            records_.push_back(Packed(records_[fluid_count_ + k]));
             if (sizes) listed_.push_back(listed_[fluid_count_ + k]);
         }
-    body_lists_.build(grid_, fixed_, body_records_,
-                       static_cast<int>(fluid_count_ + extras_.size()),
-                       static_cast<int>(body_targets_.size()),
-                       {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
+    body_lists_.build(grid_, fixed_, records_, static_cast<int>(records),
+                      static_cast<int>(body_targets_.size()),
+                      {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
+    records_.resize(records);   // they were there to be looked at once
 }
 
 void Neighborhood::find_fluids(const Particles& particles, FluidBits dummies) {

@@ -19,7 +19,7 @@ namespace undertow::sph {
 struct ExactShown {
     bool used = false;                 // sph.precision = "double"; else all are empty
     std::vector<ExactRecord> records;  // [records]
-    std::vector<double> viscosity;     // [Pa s], [records]
+    std::vector<double> root_viscosity;  // [sqrt(Pa s)], [records]
     std::vector<double> smoothing;     // [m], [records]
     std::vector<double> gradient_correction;
 };
@@ -87,9 +87,10 @@ class Neighborhood {
     /// Bit k: the cluster holds fluid k; it or its list (dummies left out) holds fluid k.
     FluidBits held(int cluster) const { return fluids_[cluster].held; }
     FluidBits met(int cluster) const { return fluids_[cluster].met; }
-    /// Viscosity of each record [Pa s], [records]; empty where no fluid is viscoplastic.
-    std::vector<float>& viscosity() { return viscosity_; }
-    const std::vector<float>& viscosity() const { return viscosity_; }
+    /// Root of the viscosity of each record [sqrt(Pa s)], [records]: pairs take means of it. Empty where
+    /// no fluid is viscoplastic.
+    std::vector<float>& root_viscosity() { return root_viscosity_; }
+    const std::vector<float>& root_viscosity() const { return root_viscosity_; }
     /// Smoothing length of each record [m], [records]; empty where all have the same.
     std::vector<float>& smoothing() { return smoothing_; }
     const std::vector<float>& smoothing() const { return smoothing_; }
@@ -114,11 +115,11 @@ class Neighborhood {
             return exact_.records;
     }
     template <class Real>
-    const std::vector<Real>& viscosity_in() const {
+    const std::vector<Real>& root_viscosity_in() const {
         if constexpr (std::is_same_v<Real, float>)
-            return viscosity_;
+            return root_viscosity_;
         else
-            return exact_.viscosity;
+            return exact_.root_viscosity;
     }
     template <class Real>
     const std::vector<Real>& smoothing_in() const {
@@ -167,6 +168,8 @@ class Neighborhood {
     void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_bodies);
     double image_range(const Periodic& periodic) const;   // [m]
     void sort(Particles& particles);
+    template <class T>
+    void reorder(std::vector<T>& array, std::vector<T>& scratch) const;
     void find_smoothing(const Particles& particles, const SmoothingLengths& sizes);
     void find_extras(const Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror);
 
@@ -179,10 +182,10 @@ class Neighborhood {
     FixedPoint fixed_;
     int fluid_count_ = 0;
     std::vector<Extra> extras_, unsorted_extras_;
-    std::vector<Packed> records_, body_records_;
+    std::vector<Packed> records_;
     std::vector<int> fluid_start_, extra_start_, order_, body_targets_;
     std::vector<std::int64_t> cell_;
-    std::vector<double> scratch_, scratch_viscous_;
+    std::vector<double> scratch_;
     ExactShown exact_;
     std::vector<std::int64_t> scratch_id_;
     std::vector<std::uint8_t> scratch_byte_;
@@ -193,7 +196,7 @@ class Neighborhood {
     };
     std::vector<ClusterFluids> fluids_;        // [clusters]
     std::vector<FluidBits> record_fluid_;      // one bit, none for a dummy, [records]
-    std::vector<float> viscosity_;
+    std::vector<float> root_viscosity_;
     std::vector<float> smoothing_, listed_;    // listed_: as lists were made for [m]
     std::vector<Depth> depth_;
     std::vector<float> gradient_correction_;

@@ -7,7 +7,7 @@ namespace undertow::sph {
 
 namespace {
 
-template <class Real, class KernelLaw>
+template <class Real, ViscousForm form, class KernelLaw>
 void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
          std::vector<double>& heating) {
     using Wide = Eight<Real>;
@@ -15,7 +15,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
     const Mixture<Real> mixture(physics, kernel.scale(), unit);
     const bool variable = physics.viscoplastic(), mixed = physics.mixed(), sized = physics.sized();
     const Record<Real>* records = neighbors.records_in<Real>().data();
-    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
+    const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count(), clusters = lists.clusters();
     heating.resize(std::size_t(clusters) * lanes);
@@ -24,7 +24,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
         const int first = cluster * lanes;
         Lanes<Real> i = load_cluster(records, first, n);
         MixedLanes<Real> m;
-        look_up(mixture, records, mu, first, n, i.own, m, mixed);
+        look_up(mixture, records, root_mu, first, n, i.own, m, mixed);
         const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr,
                                      first, n);
         Wide shock{}, shear{};
@@ -34,19 +34,27 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
             const Wide vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
             const Meeting<Wide>& with = m.with[mixed ? FluidTag::of(j) : 0];
             const Wide r2 = (dx * dx + mixture.constants.tiny) + dy * dy + dz * dz;
-            Wide F = Wide{} + j.volume, length = Wide{} + Real(1);
+            Wide F = Wide{} + j.volume, length = Wide{} + Real(1), nearer2 = length;
             if (sized) {
                 const PairSize<Wide> size = own_size.with(*at);
-                length = size.length;
-                F *= size.factor * KernelLaw::gradient_factor(r2 * size.nearer2,
-                                                              mixture.constants.inverse_h);
+                length = size.length, nearer2 = size.nearer2;
+                F *= size.factor *
+                     KernelLaw::gradient_factor(r2 * size.nearer2, mixture.constants.inverse_h);
             } else {
                 F *= KernelLaw::gradient_factor(r2, mixture.constants.inverse_h);
             }
-            const Wide closing = negative_part(vx * dx + vy * dy + vz * dz);
-            shock += F * with.shock * length * (closing * closing) * precise_reciprocal(r2);
-            const Wide pair_mu = variable ? harmonic_mean(i.own.mu, mu[*at]) : with.mu;
-            shear += F * pair_mu * (vx * vx + vy * vy + vz * vz);
+            const Wide approach = vx * dx + vy * dy + vz * dz, closing = negative_part(approach);
+            const Wide per_r2 = precise_reciprocal(r2);
+            shock += F * with.shock * length * (closing * closing) * per_r2;
+            const Wide pair_mu =
+                variable ? mean_viscosity(with.same, i.own.root_mu, root_mu[*at]) : with.mu;
+            if constexpr (form == ViscousForm::strain) {
+                const Wide along = positive_part(mixture.constants.near * per_r2 +
+                                                 mixture.constants.far * nearer2);
+                shock += F * pair_mu * (approach * approach) * along;
+            } else {
+                shear += F * pair_mu * (vx * vx + vy * vy + vz * vz);
+            }
         }
         const Wide per_rho = i.volume * m.factors.per_mass;
         const Wide heat =
@@ -60,10 +68,16 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
 void dissipation(const PairPhysics& physics, const Neighborhood& neighbors,
                  std::vector<double>& heating) {
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        const auto in = [&]<class Real>() {
+            if (physics.explicit_form() == ViscousForm::strain)
+                sum<Real, ViscousForm::strain>(kernel, physics, neighbors, heating);
+            else
+                sum<Real, ViscousForm::laplacian>(kernel, physics, neighbors, heating);
+        };
         if (neighbors.exact().used)
-            sum<double>(kernel, physics, neighbors, heating);
+            in.template operator()<double>();
         else
-            sum<float>(kernel, physics, neighbors, heating);
+            in.template operator()<float>();
     });
 }
 

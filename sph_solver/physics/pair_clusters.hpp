@@ -50,9 +50,10 @@ struct MixedLanes {
     Meeting<Eight<Real>> with[FluidTag::most];  // by the fluid of j
 };
 
-/// mu: viscosities of the records, or null where they are constant. tagged: records name their fluids.
+/// root_mu: of the records, or null where viscosities are constant. tagged: records name their
+/// fluids.
 template <class Real>
-inline void look_up(const Mixture<Real>& mixture, const Record<Real>* records, const Real* mu,
+inline void look_up(const Mixture<Real>& mixture, const Record<Real>* records, const Real* root_mu,
                     int first, int last, Own<Eight<Real>>& own, MixedLanes<Real>& m,
                     bool tagged = true) {
     m.factors.gradient = mixture.gradient, m.factors.viscous = mixture.viscous;
@@ -60,7 +61,7 @@ inline void look_up(const Mixture<Real>& mixture, const Record<Real>* records, c
         const int i = std::min(first + k, last - 1);
         const auto fluid = tagged ? FluidTag::of(records[i]) : 0;
         own.rho0[k] = mixture.rho0[fluid];
-        own.mu[k] = mu ? mu[i] : 0;
+        own.root_mu[k] = root_mu ? root_mu[i] : 0;
         m.factors.diffusive[k] = mixture.diffusive[fluid];
         m.factors.per_mass[k] = mixture.per_mass[fluid];
         for (int b = 0; b < mixture.fluids; ++b) {
@@ -95,11 +96,11 @@ class OwnSize {
 };
 
 /// What an image behind a no-slip plane adds to viscous forces and shear rate, see no_slip_images.hpp.
-template <class KernelLaw, Content content, class Real>
-inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i,
-                              const NoSlipImages::Change<Real>& v, const Record<Real>& j,
-                              const Meeting<Eight<Real>>* with, Real mu_j,
-                              PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
+template <class KernelLaw, Content content, ViscousForm form, class Real, class Change>
+inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i, const Change& v,
+                              const Record<Real>& j, const Meeting<Eight<Real>>* with,
+                              Real root_mu_j, PairSums<Eight<Real>>& sum,
+                              ShearSums<Eight<Real>>* shear = nullptr) {
     using Wide = Eight<Real>;
     const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
     const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
@@ -107,9 +108,17 @@ inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i
     Wide FV = F;
     if constexpr (content == Content::several)
         FV *= with[FluidTag::of(j)].mu;
+    else if constexpr (variable_viscosity(content) && alone(content))
+        FV *= mean_within(i.own.root_mu, root_mu_j);
     else if constexpr (variable_viscosity(content))
-        FV *= harmonic_mean(i.own.mu, mu_j);
-    sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
+        FV *= mean_viscosity(with[FluidTag::of(j)].same, i.own.root_mu, root_mu_j);
+    if constexpr (form == ViscousForm::strain) {
+        const Wide approach = v.x * dx + v.y * dy + v.z * dz;
+        const Wide FP = FV * approach * positive_part(c.near * reciprocal(r2) + c.far);
+        sum.ax += FP * dx, sum.ay += FP * dy, sum.az += FP * dz;
+    } else {
+        sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
+    }
     if constexpr (finds_shear_rate(content)) {
         const Wide Fx = F * dx, Fy = F * dy, Fz = F * dz;
         shear->vxx -= v.x * Fx, shear->vxy -= v.x * Fy, shear->vxz -= v.x * Fz;
@@ -118,16 +127,16 @@ inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i
     }
 }
 
-template <class KernelLaw, Content content, class Real>
+template <class KernelLaw, Content content, ViscousForm form, class Real>
 inline void add_no_slip(const PairConstants<Real>& c, const Lanes<Real>& i,
                         const NoSlipImages& no_slip, const Record<Real>* records, int cluster,
-                        const Meeting<Eight<Real>>* with, const Real* mu,
+                        const Meeting<Eight<Real>>* with, const Real* root_mu,
                         PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
     constexpr bool variable = variable_viscosity(content);
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
-        add_no_slip_image<KernelLaw, content, Real>(
+        add_no_slip_image<KernelLaw, content, form>(
             c, i, no_slip.change<Real>(at->image), records[at->record], with,
-            variable ? mu[at->record] : Real(0), sum, shear);
+            variable ? root_mu[at->record] : Real(0), sum, shear);
 }
 
 /// What the sums of a cluster must contain, from what it holds and meets.

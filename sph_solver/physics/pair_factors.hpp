@@ -28,12 +28,15 @@ inline constexpr double tiny_share = std::is_same_v<Scalar, float> ? 1e-6 : 1e-1
 template <class Scalar>
 PairConstants<Scalar> pair_constants(const PairPhysics& p, const FluidLaw& f, double unit) {
     const double h = f.h / unit;
+    const double strain = p.implicit_viscosity ? 0 : 2 * f.mu / unit;
     return {Scalar(1 / h),
             Scalar(tiny_share<Scalar> * h * h),
             Scalar(p.artificial_viscosity * f.h * f.c0 * f.rho0 / unit),
             Scalar(f.rho0 * p.gravity[0] * unit),
             Scalar(f.rho0 * p.gravity[1] * unit),
-            Scalar(f.rho0 * p.gravity[2] * unit)};
+            Scalar(f.rho0 * p.gravity[2] * unit),
+            Scalar(strain * p.strain_weight.near),
+            Scalar(strain * p.strain_weight.far / (h * h))};
 }
 
 template <class Scalar>
@@ -60,7 +63,7 @@ struct Mixture {
     Mixture(const PairPhysics& p, double scale, double unit)
         : fluids(static_cast<int>(p.fluids.size())) {
         FluidLaw none;  // its part of the constants is in the tables
-        none.rho0 = 1, none.c0 = 0, none.h = p.h;
+        none.rho0 = 1, none.c0 = 0, none.h = p.h, none.mu = 1;
         constants = pair_constants<Scalar>(p, none, unit);
         gradient = Scalar(scale / p.lattice_moment * unit);
         viscous = Scalar(p.implicit_viscosity ? 0 : 2 * scale / p.lattice_moment);

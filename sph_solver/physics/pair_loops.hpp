@@ -59,7 +59,7 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
-template <class Real, class KernelLaw, Terms terms, Gradient gradient,
+template <class Real, class KernelLaw, Terms terms, Gradient gradient, ViscousForm form,
           Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Real>& c,
                              const Factors<Real>& k, const Neighborhood& neighbors,
@@ -67,13 +67,14 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Rea
     using Wide = Eight<Real>;
     constexpr bool variable = variable_viscosity(content);
     const Record<Real>* records = neighbors.records_in<Real>().data();
-    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
+    const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     if constexpr (variable)
-        for (int lane = 0; lane < lanes; ++lane) i.own.mu[lane] = mu[std::min(first + lane, n - 1)];
+        for (int lane = 0; lane < lanes; ++lane)
+            i.own.root_mu[lane] = root_mu[std::min(first + lane, n - 1)];
     const Meeting<Wide>* no_tables = nullptr;
     const PairSize<Wide>* no_sizes = nullptr;
     Symmetric<Wide> correction;
@@ -85,20 +86,20 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Rea
     for (const int* at = lists.begin(cluster); at != end; ++at) {
         const Record<Real>& j = records[*at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content, false, gradient>(
-            c, i.own, dx, dy, dz, j, sum, no_tables, variable ? mu[*at] : Real(0), &shear, no_sizes,
-            &correction);
+        add_pair<KernelLaw, terms, content, false, gradient, form>(
+            c, i.own, dx, dy, dz, j, sum, no_tables, variable ? root_mu[*at] : Real(0), &shear,
+            no_sizes, &correction);
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, content>(c, i, no_slip, records, cluster, no_tables, mu, sum,
-                                            &shear);
+            add_no_slip<KernelLaw, content, form>(c, i, no_slip, records, cluster, no_tables,
+                                                  root_mu, sum, &shear);
     store_results<terms>(k, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
         take_shear_rate(physics, neighbors, k.gradient, shear, first, particles);
 }
 
-template <class Real, class KernelLaw, Terms terms, Gradient gradient>
+template <class Real, class KernelLaw, Terms terms, Gradient gradient, ViscousForm form>
 void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                   const Neighborhood& neighbors, const NoSlipImages& no_slip,
                   Particles& particles) {
@@ -109,25 +110,25 @@ void sum_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     const int clusters = neighbors.fluid_lists().clusters();
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster)
-        sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c, k, neighbors, no_slip,
-                                                           cluster, particles);
+        sum_pure_cluster<Real, KernelLaw, terms, gradient, form>(physics, c, k, neighbors, no_slip,
+                                                                 cluster, particles);
 }
 
-template <class Real, class KernelLaw, Terms terms, Gradient gradient, Content content,
-          bool sized = false>
+template <class Real, class KernelLaw, Terms terms, Gradient gradient, ViscousForm form,
+          Content content, bool sized = false>
 void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
                        const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
                        Particles& particles) {
     using Wide = Eight<Real>;
     constexpr bool variable = variable_viscosity(content);
     const Record<Real>* records = neighbors.records_in<Real>().data();
-    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
+    const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
     const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
     MixedLanes<Real> m;
-    look_up(mixture, records, mu, first, n, i.own, m);
+    look_up(mixture, records, root_mu, first, n, i.own, m);
     const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr, first,
                                  n);
     Symmetric<Wide> correction;
@@ -140,9 +141,9 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
         const Record<Real>& j = records[*at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const auto add = [&](const PairSize<Wide>* size) __attribute__((always_inline)) {
-            add_pair<KernelLaw, terms, content, sized, gradient>(
+            add_pair<KernelLaw, terms, content, sized, gradient, form>(
                 mixture.constants, i.own, dx, dy, dz, j, sum, &m.with[FluidTag::of(j)],
-                variable ? mu[*at] : Real(0), &shear, size, &correction);
+                variable ? root_mu[*at] : Real(0), &shear, size, &correction);
         };
         if constexpr (sized) {
             const PairSize<Wide> size = own_size.with(*at);
@@ -153,8 +154,8 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
     }
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, content>(mixture.constants, i, no_slip, records, cluster, m.with,
-                                            mu, sum, &shear);
+            add_no_slip<KernelLaw, content, form>(mixture.constants, i, no_slip, records, cluster,
+                                                  m.with, root_mu, sum, &shear);
     store_results<terms>(m.factors, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
         take_shear_rate(physics, neighbors, mixture.gradient, shear, first, particles);
@@ -162,7 +163,7 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there
 /// were no other.
-template <class Real, class KernelLaw, Terms terms, Gradient gradient>
+template <class Real, class KernelLaw, Terms terms, Gradient gradient, ViscousForm form>
 void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors, const NoSlipImages& no_slip,
                         ShearRate shear_rate, Particles& particles) {
@@ -171,10 +172,12 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
     PairConstants<Real> c[FluidTag::most];
     Factors<Real> k[FluidTag::most];
     for (std::size_t f = 0; f < physics.fluids.size(); ++f) {
-        c[f] = pair_constants<Real>(physics, physics.fluids[f], unit);
+        FluidLaw law = physics.fluids[f];
+        if (law.viscoplastic()) law.mu = 1;  // mu is in the sums
+        c[f] = pair_constants<Real>(physics, law, unit);
         k[f] = factors<Real>(physics, physics.fluids[f],
                              scale_of(physics, physics.fluids[f], kernel.scale()), unit);
-        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;  // mu is in the sums
+        if (physics.fluids[f].viscoplastic()) k[f].viscous = mixture.viscous;
     }
     const ContentOf content_of(physics, shear_rate);
     const bool sized = physics.sized();
@@ -185,70 +188,70 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
         const Content content = content_of(held, met, terms);
         if (sized && (physics.variable_smoothing || content != Content::one_fluid)) {
             if (terms == Terms::rate || !physics.viscoplastic())
-                sum_mixed_cluster<Real, KernelLaw, terms, Gradient::plain, Content::several, true>(
-                    physics, mixture, neighbors, no_slip, cluster, particles);
+                sum_mixed_cluster<Real, KernelLaw, terms, Gradient::plain, form, Content::several,
+                                  true>(physics, mixture, neighbors, no_slip, cluster, particles);
             else if constexpr (terms != Terms::rate)
-                sum_mixed_cluster<Real, KernelLaw, terms, Gradient::plain, Content::sheared, true>(
-                    physics, mixture, neighbors, no_slip, cluster, particles);
+                sum_mixed_cluster<Real, KernelLaw, terms, Gradient::plain, form, Content::sheared,
+                                  true>(physics, mixture, neighbors, no_slip, cluster, particles);
             continue;
         }
         switch (content) {
             case Content::one_fluid: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<Real, KernelLaw, terms, gradient>(physics, c[f], k[f], neighbors,
-                                                                   no_slip, cluster, particles);
+                sum_pure_cluster<Real, KernelLaw, terms, gradient, form>(
+                    physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::one_viscoplastic: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<Real, KernelLaw, terms, gradient, Content::one_viscoplastic>(
+                sum_pure_cluster<Real, KernelLaw, terms, gradient, form, Content::one_viscoplastic>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::one_sheared: {
                 const int f = only_fluid(met);
-                sum_pure_cluster<Real, KernelLaw, terms, gradient, Content::one_sheared>(
+                sum_pure_cluster<Real, KernelLaw, terms, gradient, form, Content::one_sheared>(
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
             case Content::several:
-                sum_mixed_cluster<Real, KernelLaw, terms, gradient, Content::several>(
+                sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::several>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::viscoplastic:
-                sum_mixed_cluster<Real, KernelLaw, terms, gradient, Content::viscoplastic>(
+                sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::viscoplastic>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
             case Content::sheared:
-                sum_mixed_cluster<Real, KernelLaw, terms, gradient, Content::sheared>(
+                sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::sheared>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
         }
     }
 }
 
-template <class Real, Terms terms, Gradient gradient, class KernelLaw>
+template <class Real, Terms terms, Gradient gradient, ViscousForm form, class KernelLaw>
 void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
               const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if (physics.mixed())
-        sum_mixed_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
-                                                             shear_rate, particles);
+        sum_mixed_clusters<Real, KernelLaw, terms, gradient, form>(kernel, physics, neighbors,
+                                                                   no_slip, shear_rate, particles);
     else
-        sum_clusters<Real, KernelLaw, terms, gradient>(kernel, physics, neighbors, no_slip,
-                                                       particles);
+        sum_clusters<Real, KernelLaw, terms, gradient, form>(kernel, physics, neighbors, no_slip,
+                                                             particles);
 }
 
-template <class Real, Terms terms, class KernelLaw>
+template <class Real, Terms terms, ViscousForm form, class KernelLaw>
 void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
              const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
     if constexpr (terms != Terms::force)
         if (physics.gradient_correction) {
-            sum_with<Real, terms, Gradient::corrected>(kernel, physics, neighbors, no_slip,
-                                                       shear_rate, particles);
+            sum_with<Real, terms, Gradient::corrected, form>(kernel, physics, neighbors, no_slip,
+                                                             shear_rate, particles);
             return;
         }
-    sum_with<Real, terms, Gradient::plain>(kernel, physics, neighbors, no_slip, shear_rate,
-                                           particles);
+    sum_with<Real, terms, Gradient::plain, form>(kernel, physics, neighbors, no_slip, shear_rate,
+                                                 particles);
 }
 
 }  // namespace
@@ -256,13 +259,22 @@ void sum_all(const KernelLaw& kernel, const PairPhysics& physics, const Neighbor
 template <class Real>
 void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoSlipImages& no_slip,
             Terms terms, Particles& particles, ShearRate shear_rate) {
+    constexpr auto laplacian = ViscousForm::laplacian, strain = ViscousForm::strain;
+    const bool along_pairs = physics.explicit_form() == strain;
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        if (terms == Terms::both)
-            sum_all<Real, Terms::both>(kernel, physics, neighbors, no_slip, shear_rate, particles);
-        else if (terms == Terms::rate)
-            sum_all<Real, Terms::rate>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+        const auto sum = [&]<Terms which, ViscousForm form>() {
+            sum_all<Real, which, form>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+        };
+        if (terms == Terms::rate)
+            sum.template operator()<Terms::rate, laplacian>();
+        else if (terms == Terms::both && along_pairs)
+            sum.template operator()<Terms::both, strain>();
+        else if (terms == Terms::both)
+            sum.template operator()<Terms::both, laplacian>();
+        else if (along_pairs)
+            sum.template operator()<Terms::force, strain>();
         else
-            sum_all<Real, Terms::force>(kernel, physics, neighbors, no_slip, shear_rate, particles);
+            sum.template operator()<Terms::force, laplacian>();
     });
 }
 

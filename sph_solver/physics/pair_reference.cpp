@@ -17,9 +17,9 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
     const std::vector<Real>& h_of = neighbors.smoothing_in<Real>();  // empty unless sized
     const bool sized = physics.sized(), mixed = physics.mixed(), variable = physics.viscoplastic();
     const auto fluid_of = [&](const Record<Real>& j) { return mixed ? FluidTag::of(j) : 0; };
-    const auto viscosity_of = [&](std::size_t j) {
-        return variable ? double(neighbors.viscosity_in<Real>()[j])
-                        : physics.fluids[fluid_of(records[j])].mu;
+    const auto root_viscosity_of = [&](std::size_t j) {
+        return variable ? double(neighbors.root_viscosity_in<Real>()[j])
+                        : std::sqrt(physics.fluids[fluid_of(records[j])].mu);
     };
     ReferenceSums of;
     for (int i = 0; i < neighbors.fluid_count(); ++i) {
@@ -29,7 +29,8 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
                                 mixture.per_mass[fluid]};
         const bool inside = physics.tension_control == TensionControl::switched &&
                             neighbors.depth()[i] == Depth::inside;
-        const Own<double> own{q.vx, q.vy, q.vz, q.p, inside ? std::abs(q.p) : q.p, mixture.rho0[fluid], viscosity_of(i)};
+        const Own<double> own{q.vx, q.vy, q.vz, q.p, inside ? std::abs(q.p) : q.p, mixture.rho0[fluid],
+                               root_viscosity_of(i)};
         PairSums<double> sum;
         ShearSums<double> shear;
         for (std::size_t at = 0; at < records.size(); ++at) {  // no list to be wrong
@@ -40,9 +41,15 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
             if (dx * dx + dy * dy + dz * dz > 4.01 * h * h / (unit * unit)) continue;
             const PairSize<double> size(0.5 * h / physics.h, 0.5 * h / physics.h,
                                         physics.dimension == 2);
-            add_pair<KernelLaw, Terms::both, Content::sheared, true>(
-                mixture.constants, own, dx, dy, dz, j, sum, &mixture.meeting[fluid][fluid_of(j)],
-                viscosity_of(at), &shear, &size);
+            const auto add = [&]<ViscousForm form>() {
+                add_pair<KernelLaw, Terms::both, Content::sheared, true, Gradient::plain, form>(
+                    mixture.constants, own, dx, dy, dz, j, sum,
+                    &mixture.meeting[fluid][fluid_of(j)], root_viscosity_of(at), &shear, &size);
+            };
+            if (physics.explicit_form() == ViscousForm::strain)
+                add.template operator()<ViscousForm::strain>();
+            else
+                add.template operator()<ViscousForm::laplacian>();
         }
         if (physics.gradient_correction) {   // G : M^-1
             const double to = mixture.gradient * unit;

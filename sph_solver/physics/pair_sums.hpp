@@ -5,6 +5,7 @@
 
 #include "case/case.hpp"
 #include "sph_solver/boundary/no_slip_images.hpp"
+#include "sph_solver/kernels/strain_weight.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/fluid_law.hpp"
@@ -25,10 +26,15 @@ struct PairPhysics {
     bool gradient_correction = false; // of the continuity equation, see gradient_correction.hpp
     bool implicit_viscosity = false;  // the sums leave the viscous forces out
     ViscousForm viscous_form = ViscousForm::laplacian;
+    StrainWeight strain_weight;       // of "strain"
     double shifting = 0;              // K, see find_shift
     TensionControl tension_control = TensionControl::none;
     std::vector<FluidLaw> fluids;     // in the order of [[sph.fluid]]
 
+    /// Of the explicit sums. Without viscosity there, and in the implicit update, the cheaper one.
+    ViscousForm explicit_form() const {
+        return implicit_viscosity ? ViscousForm::laplacian : viscous_form;
+    }
     bool viscoplastic() const {
         for (const FluidLaw& f : fluids)
             if (f.viscoplastic()) return true;

@@ -9,13 +9,17 @@
 //                   under tension inside the fluid with p_j - p_i instead, see switch_tension()
 //   art. viscosity  p_i + p_j gains -alpha h c0 rho0 min(0, v_ij.x_ij)/r^2         [Monaghan 1992]
 //   viscosity       dv_i/dt += 1/rho_i sum_j V_j 2 mu (x_ij . grad_i W_ij)/r^2 v_ij    [Morris 1997]
+//     or "strain"   p_i + p_j gains -2 mu (d + 2) v_ij.x_ij/r^2                        [Monaghan 2005]
+//                   with the weight of strain_weight.hpp for (d + 2)/r^2
 //   shear rate      grad v_i = [sum_j V_j (v_j - v_i) grad_i W_ij] [sum_j V_j (x_j - x_i) grad_i W_ij]^-1
 // with x_ij = x_i - x_j, v_ij = v_i - v_j, grad_i W_ij = -scale F x_ij.
 //
 // Between two fluids: V and rho of each particle's own; c0 rho0 of the artificial viscosity is the
 // mean of the two; mu their harmonic mean, which keeps the shear stress steady across the interface
-// [Cleary & Monaghan 1999]; no density diffusion.
+// [Cleary & Monaghan 1999]; no density diffusion. Inside one viscoplastic fluid mu varies without a
+// jump, see mean_within.
 
+#include "case/case.hpp"
 #include "sph_solver/simd.hpp"
 
 namespace undertow::sph {
@@ -50,6 +54,8 @@ struct PairConstants {
     Scalar shock;           // alpha h c0 rho0 / unit [Pa s]: artificial viscosity of one_fluid
     Scalar gx, gy, gz;      // rho0 g unit [Pa/unit]: hydrostatic part of the pressure difference;
                             // g unit where there are several fluids
+    Scalar near, far;       // 2 mu (near, far/h^2) of strain_weight.hpp [Pa s/unit], [Pa s/unit^3];
+                            // without mu where that is in the sums
 };
 
 /// What particle i shows of itself.
@@ -57,7 +63,7 @@ template <class Real>
 struct Own {
     Real vx, vy, vz, p;
     Real push;              // p, or -p where tension is switched: what the force takes for p_i
-    Real rho0{}, mu{};      // [kg/m3], [Pa s]; unused by one_fluid
+    Real rho0{}, root_mu{};   // [kg/m3], [sqrt(Pa s)] root of mu; unused by one_fluid
 };
 
 /// Between particles of different size W_ij = W(r, h_ij) with h_ij = (h_i + h_j)/2, the same for both:
@@ -111,22 +117,48 @@ struct Symmetric {
     Real xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
 };
 
-/// 2 a b/(a + b); 0 if both are. To 14 bits, 6e-5: no law of a viscosity is known to that. The same
-/// bits for b and a, so that the forces of a pair stay opposite; what belongs to `a` alone leaves loops.
-template <class Real, class Other>
-inline Real harmonic_mean(Real a, Other b) {
+/// 2 a b/(a + b) of two viscosities; 0 if both are.
+inline double harmonic_mean(double a, double b) {
     return ((a + a) * b) * reciprocal((a + 1e-30f) + b);
 }
 
-/// with, mu_j and shear are not looked at unless `content` says so, size unless `sized`, correction
+// Mean viscosities of pairs [Pa s] from the roots a, b of their viscosities [sqrt(Pa s)]: the same bits
+// for b and a, so that the forces of a pair stay opposite.
+
+/// Inside one fluid: (a^2 + 4 a b + b^2)/6, Simpson's rule for the mean of mu along the pair where
+/// log mu is linear between the two (the logarithmic mean: 0.2 % above it at a ratio of 5, 9 % at 100).
+/// The harmonic mean is too low across a steep gradient of mu: channels in docs/theory.md.
+template <class Real, class Other>
+inline Real mean_within(Real a, Other b) {
+    const Real d = a - b;
+    return a * b + (d * d) * (1.0f / 6);
+}
+
+/// Between two fluids: the harmonic mean of a^2 and b^2; 0 if both are. To 14 bits, 6e-5: no law of a
+/// viscosity is known to that.
+template <class Real, class Other>
+inline Real mean_between(Real a, Other b) {
+    const Real sum = a + b, product = a * b;
+    return ((product + product) * product) * reciprocal((sum * sum + 1e-30f) - (product + product));
+}
+
+/// same: 1 in one fluid, 0 between two.
+template <class Real, class Other>
+inline Real mean_viscosity(Real same, Real a, Other b) {
+    const Real between = mean_between(a, b);
+    return between + same * (mean_within(a, b) - between);
+}
+
+/// with, root_mu_j and shear are not looked at unless `content` says so, size unless `sized`, correction
 /// unless `gradient` does.
 template <class KernelLaw, Terms terms, Content content = Content::one_fluid, bool sized = false,
-          Gradient gradient = Gradient::plain, class Real, class Scalar, class Neighbor>
+          Gradient gradient = Gradient::plain, ViscousForm form = ViscousForm::laplacian, class Real,
+          class Scalar, class Neighbor>
 inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>& c,
                                                     const Own<Real>& i, Real dx, Real dy, Real dz,
                                                     const Neighbor& j, PairSums<Real>& sum,
                                                     const Meeting<Real>* with = nullptr,
-                                                    Scalar mu_j = 0,
+                                                    Scalar root_mu_j = 0,
                                                     ShearSums<Real>* shear = nullptr,
                                                     const PairSize<Real>* size = nullptr,
                                                     const Symmetric<Real>* correction = nullptr) {
@@ -160,26 +192,46 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
             sum.diffusion += F * ((Scalar(j.p) - i.p) + hydrostatic);
     }
     if constexpr (force) {
-        const Real closing = negative_part(approach) * reciprocal(r2);
+        const Real per_r2 = reciprocal(r2);
+        const Real closing = negative_part(approach) * per_r2;
         Real P = i.push + Scalar(j.p);
-        Real FV = F;
+        [[maybe_unused]] Real FV = F;
         if constexpr (sized)
             P -= closing * (with->shock * size->length);
         else if constexpr (mixed)
             P -= closing * with->shock;
         else
             P -= closing * c.shock;
-        if constexpr (variable_viscosity(content))
-            FV *= harmonic_mean(i.mu, mu_j);
-        else if constexpr (mixed)
-            FV *= with->mu;
+        if constexpr (form == ViscousForm::strain) {
+            Real viscous = approach;
+            if constexpr (sized)
+                viscous *= positive_part(c.near * per_r2 + c.far * size->nearer2);
+            else
+                viscous *= positive_part(c.near * per_r2 + c.far);
+            if constexpr (variable_viscosity(content) && mixed)
+                viscous *= mean_viscosity(with->same, i.root_mu, root_mu_j);
+            else if constexpr (variable_viscosity(content))
+                viscous *= mean_within(i.root_mu, root_mu_j);
+            else if constexpr (mixed)
+                viscous *= with->mu;
+            P -= viscous;
+        } else {
+            if constexpr (variable_viscosity(content) && mixed)
+                FV *= mean_viscosity(with->same, i.root_mu, root_mu_j);
+            else if constexpr (variable_viscosity(content))
+                FV *= mean_within(i.root_mu, root_mu_j);
+            else if constexpr (mixed)
+                FV *= with->mu;
+        }
         const Real FP = F * P;
         sum.ax += FP * dx;
         sum.ay += FP * dy;
         sum.az += FP * dz;
-        sum.lx += FV * vx;
-        sum.ly += FV * vy;
-        sum.lz += FV * vz;
+        if constexpr (form == ViscousForm::laplacian) {
+            sum.lx += FV * vx;
+            sum.ly += FV * vy;
+            sum.lz += FV * vz;
+        }
         if constexpr (finds_shear_rate(content)) {
             const Real Fx = F * dx, Fy = F * dy, Fz = F * dz;
             shear->vxx += vx * Fx, shear->vxy += vx * Fy, shear->vxz += vx * Fz;

@@ -26,7 +26,7 @@ void refuse_with_sizes(const Case& input, const PairPhysics& p) {
     if (p.gradient_correction)
         refuse("sph.gradient_correction", "Set sph.gradient_correction = false.");
     if (p.implicit_viscosity)
-        refuse("The implicit viscosity (sph.viscosity_solver, sph.viscous_form)",
+        refuse("The implicit viscosity (sph.viscosity_solver)",
                "Set sph.viscosity_solver = \"explicit\", or lower the viscosity.");
     if (!input.sph.inflow.empty() || !input.sph.outflow.empty())
         refuse("An opening (sph.inflow, sph.outflow)", "Give all fluids the same spacing.");
@@ -74,6 +74,8 @@ PairPhysics resolve_physics(const Case& input) {
     p.lattice_moment =
         lattice_moment(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
     p.viscous_form = input.sph.viscous_form;
+    p.strain_weight =
+        strain_weight(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
     if (p.sized()) refuse_with_sizes(input, p);
     if (p.precision == Precision::float64) refuse_in_double(input, p);
     return p;

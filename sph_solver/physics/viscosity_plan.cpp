@@ -67,11 +67,6 @@ bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
         ratio = std::max(ratio, (law.viscoplastic() && given > 0 ? given : wanted[k]) / free);
     }
     const ViscositySolver choice = input.sph.viscosity_solver;
-    const bool strain = input.sph.viscous_form == ViscousForm::strain;
-    if (strain && choice == ViscositySolver::explicit_sums)
-        throw InputError(input.file +
-                         ": sph.viscous_form = \"strain\" is not in the explicit sums: "
-                         "leave sph.viscosity_solver at \"auto\" or set \"implicit\".");
     // the implicit update knows one smoothing length only
     const bool sized = input.sph.variable_smoothing ||
                        std::any_of(laws.begin(), laws.end(), [&](const FluidLaw& law) {
@@ -79,7 +74,7 @@ bool plan_viscosity(const Case& input, double c0, std::vector<FluidLaw>& laws) {
                        });
     const bool implicit =
         choice == ViscositySolver::implicit ||
-        (choice == ViscositySolver::automatic && (strain || (!sized && ratio > implicit_from)));
+        (choice == ViscositySolver::automatic && !sized && ratio > implicit_from);
     const double speed = speed_of_flow(input, c0);
     for (std::size_t k = 0; k < laws.size(); ++k) {
         FluidLaw& law = laws[k];

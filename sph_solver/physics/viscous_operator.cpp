@@ -1,6 +1,7 @@
 #include "sph_solver/physics/viscous_operator.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "sph_solver/kernels/kernels.hpp"
@@ -21,67 +22,88 @@ inline void store(float* a, float8 value) {
 
 struct Target {
     int8 x, y, z;
-    float8 volume, mu;
+    float8 volume, root_mu;
+    float8 same[FluidTag::most];   // 1 with that fluid, 0 with another; where there are several
 };
 
-Target load_target(const Packed* records, int first, int last) {
+Target load_target(const Packed* records, int first, int last, int fluids) {
     Target c;
     for (int k = 0; k < lanes; ++k) {
         const Packed& q = records[std::min(first + k, last - 1)];
         c.x[k] = q.x, c.y[k] = q.y, c.z[k] = q.z;
-        c.volume[k] = q.volume, c.mu[k] = q.p;
+        c.volume[k] = q.volume, c.root_mu[k] = q.p;
+        if (fluids == 1) continue;
+        for (int f = 0; f < fluids; ++f)
+            c.same[f][k] = FluidTag::of(q) == static_cast<std::uint32_t>(f) ? 1.0f : 0.0f;
     }
     return c;
+}
+
+/// mu_ij V_j F
+template <class KernelLaw, bool several>
+float8 weight(const Target& i, const Packed& j, float8 r2, float inverse_h) {
+    const float8 w = KernelLaw::gradient_factor(r2, inverse_h) * j.volume;
+    if constexpr (several)
+        return w * mean_viscosity(i.same[FluidTag::of(j)], i.root_mu, j.p);
+    else
+        return w * mean_within(i.root_mu, j.p);
 }
 
 struct Sum {
     float8 x{}, y{}, z{};
 };
 
+/// What multiplies the part along x_ij [-], [1/unit^2], see strain_weight.hpp
+struct AlongPair {
+    float near = 0, far = 0;
+    explicit AlongPair(const PairPhysics& p, double h)   // h [unit]
+        : near(static_cast<float>(p.strain_weight.near)),
+          far(static_cast<float>(p.strain_weight.far / (h * h))) {}
+};
+
 /// sum_j mu_ij V_j F (u_i - u_j), or with its part along x_ij.
-template <class KernelLaw, ViscousForm form>
+template <class KernelLaw, ViscousForm form, bool several>
 Sum sum_pairs(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* records,
-              const int* at, const int* end, float inverse_h, float tiny) {
+              const int* at, const int* end, float inverse_h, float tiny, AlongPair c) {
     Sum sum;
     for (; at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
-        const float8 w =
-            KernelLaw::gradient_factor(r2, inverse_h) * j.volume * harmonic_mean(i.mu, j.p);
+        const float8 w = weight<KernelLaw, several>(i, j, r2, inverse_h);
         const float8 vx = ux - j.vx, vy = uy - j.vy, vz = uz - j.vz;
         if constexpr (form == ViscousForm::laplacian) {
             sum.x += w * vx, sum.y += w * vy, sum.z += w * vz;
         } else {
-            const float8 along = w * (vx * dx + vy * dy + vz * dz) * reciprocal(r2);
+            const float8 along = w * (vx * dx + vy * dy + vz * dz) *
+                                 positive_part(c.near * reciprocal(r2) + c.far);
             sum.x += along * dx, sum.y += along * dy, sum.z += along * dz;
         }
     }
     return sum;
 }
 
-/// sum_j mu_ij V_j F without the particle itself.
-template <class KernelLaw>
+/// sum_j mu_ij V_j F without the particle itself, or of its part along x_ij the trace.
+template <class KernelLaw, ViscousForm form, bool several>
 float8 sum_weights(const Target& i, const Packed* records, const int* at, const int* end,
-                   float inverse_h, float tiny) {
+                   float inverse_h, float tiny, AlongPair c) {
     float8 sum{};
     for (; at != end; ++at) {
         const Packed& j = records[*at];
         const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
-        const float8 w =
-            KernelLaw::gradient_factor(r2, inverse_h) * j.volume * harmonic_mean(i.mu, j.p);
+        float8 w = weight<KernelLaw, several>(i, j, r2, inverse_h);
+        if constexpr (form == ViscousForm::strain) w *= positive_part(c.near + c.far * r2);
         sum += r2 > 2 * tiny ? w : float8{};
     }
     return sum;
 }
 
-/// 2 scale, and for the strain form times d + 2.
+/// 2 scale
 double pair_scale(const PairPhysics& p) {
     const double scale =
         with_kernel(p.kernel, p.h, p.dimension, [](const auto& kernel) { return kernel.scale(); });
-    return 2 * scale / p.lattice_moment *
-           (p.viscous_form == ViscousForm::strain ? p.dimension + 2 : 1);
+    return 2 * scale / p.lattice_moment;
 }
 
 }  // namespace
@@ -108,11 +130,11 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
                                        : particles.fluid[j];
         const FluidLaw& fluid = physics.fluids[own];
         if (viscosity.empty())
-            q.p = static_cast<float>(fluid.mu);
+            q.p = static_cast<float>(std::sqrt(fluid.mu));
         else
-            q.p = static_cast<float>(!extra         ? viscosity[j]
-                                     : e->from_body ? bodies.viscosity[e->source]
-                                                    : viscosity[e->source]);
+            q.p = std::sqrt(static_cast<float>(!extra         ? viscosity[j]
+                                               : e->from_body ? bodies.viscosity[e->source]
+                                                              : viscosity[e->source]));
         if (!extra) {
             mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
             continue;
@@ -162,21 +184,23 @@ double ViscousOperator::over_clusters(Body&& body) {
     return sum;
 }
 
-template <class KernelLaw, ViscousForm form>
+template <class KernelLaw, ViscousForm form, bool several>
 double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt, Field3& out) {
     const int n = neighbors_->fluid_count();
     const double unit = neighbors_->fixed().unit, h = physics_->h / unit;
     const auto inverse_h = static_cast<float>(1 / h), tiny = static_cast<float>(1e-6 * h * h);
     const auto to_force = static_cast<float>(dt * pair_scale(*physics_));
     const auto of_mass = static_cast<float>(mass_factor);
+    const AlongPair along(*physics_, h);
+    const int fluids = static_cast<int>(physics_->fluids.size());
     const ClusterLists& lists = neighbors_->fluid_lists();
     return over_clusters([&](int cluster) {
         const int first = cluster * lanes;
-        const Target i = load_target(records_.data(), first, n);
+        const Target i = load_target(records_.data(), first, n, fluids);
         const float8 ux = load(&u.x[first]), uy = load(&u.y[first]), uz = load(&u.z[first]);
         const Sum sum =
-            sum_pairs<KernelLaw, form>(i, ux, uy, uz, records_.data(), lists.begin(cluster),
-                                       lists.end(cluster), inverse_h, tiny);
+            sum_pairs<KernelLaw, form, several>(i, ux, uy, uz, records_.data(), lists.begin(cluster),
+                                       lists.end(cluster), inverse_h, tiny, along);
         const float8 m = of_mass * load(&mass_[first]), v = to_force * i.volume;
         const float8 x = m * ux + v * sum.x, y = m * uy + v * sum.y, z = m * uz + v * sum.z;
         store(&out.x[first], x), store(&out.y[first], y), store(&out.z[first], z);
@@ -193,8 +217,12 @@ double ViscousOperator::apply(const Field3& u, Walls walls, double mass_factor, 
     const bool strain = physics_->viscous_form == ViscousForm::strain;
     return with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& kernel) {
         using Law = std::decay_t<decltype(kernel)>;
-        return strain ? apply_as<Law, ViscousForm::strain>(u, mass_factor, dt, out)
-                      : apply_as<Law, ViscousForm::laplacian>(u, mass_factor, dt, out);
+        constexpr auto strain_form = ViscousForm::strain, laplacian = ViscousForm::laplacian;
+        if (physics_->fluids.size() > 1)
+            return strain ? apply_as<Law, strain_form, true>(u, mass_factor, dt, out)
+                          : apply_as<Law, laplacian, true>(u, mass_factor, dt, out);
+        return strain ? apply_as<Law, strain_form, false>(u, mass_factor, dt, out)
+                      : apply_as<Law, laplacian, false>(u, mass_factor, dt, out);
     });
 }
 
@@ -204,17 +232,24 @@ void ViscousOperator::diagonal(double dt, std::vector<float>& out) {
     const double unit = neighbors_->fixed().unit, h = physics_->h / unit;
     const auto inverse_h = static_cast<float>(1 / h), tiny = static_cast<float>(1e-6 * h * h);
     // the mean of (e e^T) over directions e is 1/d
-    const double share =
-        physics_->viscous_form == ViscousForm::strain ? 1.0 / physics_->dimension : 1;
+    const bool strain = physics_->viscous_form == ViscousForm::strain;
+    const double share = strain ? 1.0 / physics_->dimension : 1;
+    const AlongPair along(*physics_, h);
     const auto to_force = static_cast<float>(dt * pair_scale(*physics_) * share);
+    const int fluids = static_cast<int>(physics_->fluids.size());
     const ClusterLists& lists = neighbors_->fluid_lists();
     over_clusters([&](int cluster) {
         const int first = cluster * lanes;
-        const Target i = load_target(records_.data(), first, n);
+        const Target i = load_target(records_.data(), first, n, fluids);
         const float8 w =
             with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& law) {
-                return sum_weights<std::decay_t<decltype(law)>>(
-                    i, records_.data(), lists.begin(cluster), lists.end(cluster), inverse_h, tiny);
+                using Law = std::decay_t<decltype(law)>;
+                constexpr auto s = ViscousForm::strain, l = ViscousForm::laplacian;
+                const auto sum =
+                    strain ? (fluids > 1 ? sum_weights<Law, s, true> : sum_weights<Law, s, false>)
+                           : (fluids > 1 ? sum_weights<Law, l, true> : sum_weights<Law, l, false>);
+                return sum(i, records_.data(), lists.begin(cluster), lists.end(cluster), inverse_h,
+                           tiny, along);
             });
         store(&out[first], load(&mass_[first]) + to_force * i.volume * w);
         return 0.0;

@@ -1,8 +1,9 @@
 #pragma once
 // The viscous forces as a linear map of the velocities, on the cluster lists of the pair sums:
 //   (K u)_i = sum_j w_ij (u_i - u_j)                                  laplacian  [Morris 1997]
-//   (K u)_i = sum_j (d + 2) w_ij [(u_i - u_j) . x_ij] x_ij/r^2        strain     [Monaghan 2005,
-//   Eq. 8.9] w_ij = 2 mu_ij V_i V_j scale F(r)  [kg/s per m^(3-d)],  mu_ij the harmonic mean
+//   (K u)_i = sum_j s w_ij [(u_i - u_j) . x_ij] x_ij                  strain     [Monaghan 2005,
+//   Eq. 8.9, s = (d + 2)/r^2 there, here as in strain_weight.hpp]
+//   w_ij = 2 mu_ij V_i V_j scale F(r)  [kg/s per m^(3-d)],  mu_ij as in pair_terms.hpp
 // w_ij = w_ji >= 0, and an image of j behind a plane stands to i as the image of i stands to j: K
 // is symmetric and positive semidefinite. The implicit update solves (M + dt K) u = M u*.
 
@@ -39,14 +40,14 @@ class ViscousOperator {
 
     /// out = mass_factor M u + dt K u  [kg m/s per m^(3-d)]. Returns u . out.
     double apply(const Field3& u, Walls walls, double mass_factor, double dt, Field3& out);
-    /// out[i] = M_i + dt sum_j w_ij c, c = 1 (laplacian) or (d + 2)/d (strain): near the diagonal.
+    /// out[i] = M_i + dt sum_j w_ij c, c = 1 (laplacian) or s r^2/d (strain): near the diagonal.
     void diagonal(double dt, std::vector<float>& out);
 
     const std::vector<float>& mass() const { return mass_; }  // rho0 V0 of each particle
 
  private:
     void pack(const Field3& u, Walls walls);
-    template <class KernelLaw, ViscousForm form>
+    template <class KernelLaw, ViscousForm form, bool several>
     double apply_as(const Field3& u, double mass_factor, double dt, Field3& out);
     template <class Body>
     double over_clusters(Body&& body);
@@ -54,7 +55,7 @@ class ViscousOperator {
     const PairPhysics* physics_ = nullptr;
     const Neighborhood* neighbors_ = nullptr;
     const MirrorPlanes* mirror_ = nullptr;
-    std::vector<Packed> records_;      // velocity: of u; p: viscosity [Pa s]
+    std::vector<Packed> records_;      // velocity: of u; p: root of the viscosity [sqrt(Pa s)]
     std::vector<ViscousImage> image_;  // [extras]
     std::vector<float> mass_;          // [particles], padded
     std::vector<double> part_;         // [clusters]

@@ -19,15 +19,37 @@ struct OfWall {
     PairSums<Eight<Real>> sum;
 };
 
+/// What a dummy shows the implicit update beyond its record's velocity: 2 v_wall - u_i, or u_i
+/// itself where the body lets the fluid slip.  [m/s]
+template <class Real>
+struct DummyChange {
+    using Wide = Eight<Real>;
+    Wide x, y, z;
+
+    DummyChange(const Own<Wide>& i, const Record<Real>& j, const Bodies& bodies, int dummy) {
+        const RigidBody& rigid = bodies.body[bodies.owner[dummy]];
+        const Vec3 wall =
+            rigid.pose().velocity_at({bodies.x[dummy], bodies.y[dummy], bodies.z[dummy]});
+        const bool holds = rigid.body().slip == Slip::no_slip;
+        const auto change = [&](double w, Wide own, Real shown) {
+            return holds ? static_cast<Real>(2 * w) - own - shown : own - shown;
+        };
+        x = change(wall[0], i.vx, j.vx), y = change(wall[1], i.vy, j.vy);
+        z = change(wall[2], i.vz, j.vz);
+    }
+};
+
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
-template <class KernelLaw, Content content, bool sized = false, class Real, class OfOwn, class F>
+/// implicit: bodies hold the fluid as in the implicit update, by their dummies.
+template <class KernelLaw, Content content, ViscousForm form, bool sized = false, class Real,
+          class OfOwn, class F>
 void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
                    const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
                    const Neighborhood& neighbors, int cluster, const Bodies& bodies,
-                   PlaneMask planes, std::vector<OfWall<Real>>& met, F&& f,
+                   PlaneMask planes, bool implicit, std::vector<OfWall<Real>>& met, F&& f,
                    const OwnSize<Real>* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
-    const Real* mu = variable ? neighbors.viscosity_in<Real>().data() : nullptr;
+    const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
     const Record<Real>* records = neighbors.records_in<Real>().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
@@ -40,9 +62,9 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
         while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
         if (m == met.size()) met.push_back({extra.mask, body, {}});
         const auto add = [&](const PairSize<Eight<Real>>* size) {
-            add_pair<KernelLaw, Terms::force, content, sized>(
+            add_pair<KernelLaw, Terms::force, content, sized, Gradient::plain, form>(
                 c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
-                with ? with + FluidTag::of(j) : nullptr, variable ? mu[*at] : Real(0),
+                with ? with + FluidTag::of(j) : nullptr, variable ? root_mu[*at] : Real(0),
                 static_cast<ShearSums<Eight<Real>>*>(nullptr), size);
         };
         if constexpr (sized) {
@@ -51,6 +73,10 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
         } else {
             add(nullptr);
         }
+        if (implicit && body >= 0)
+            add_no_slip_image<KernelLaw, content, form>(
+                c, i, DummyChange<Real>(i.own, j, bodies, extra.source), j, with,
+                variable ? root_mu[*at] : Real(0), met[m].sum);
     }
     for (const OfWall<Real>& of : met) {
         const Eight<Real> per_rho = i.volume * k.per_mass;
@@ -63,7 +89,7 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
 
 /// Calls f(mask, ax, ay, az) with what the eight feel of images behind no-slip planes beyond that
 /// of free-slip ones: the walls' shear.
-template <class KernelLaw, Content content, class Real, class OfOwn, class F>
+template <class KernelLaw, Content content, ViscousForm form, class Real, class OfOwn, class F>
 void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
                     const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
                     const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
@@ -75,9 +101,9 @@ void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
         std::size_t m = 0;
         while (m < met.size() && met[m].mask != mask) ++m;
         if (m == met.size()) met.push_back({mask, -1, {}});
-        add_no_slip_image<KernelLaw, content, Real>(
+        add_no_slip_image<KernelLaw, content, form>(
             c, i, no_slip.change<Real>(at->image), neighbors.records_in<Real>()[at->record], with,
-            variable ? neighbors.viscosity_in<Real>()[at->record] : Real(0), met[m].sum);
+            variable ? neighbors.root_viscosity_in<Real>()[at->record] : Real(0), met[m].sum);
     }
     for (const OfWall<Real>& of : met) {
         const Eight<Real> per_rho = i.volume * k.per_mass;
@@ -88,10 +114,10 @@ void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
     met.clear();
 }
 
-template <class Real, class KernelLaw>
+template <class Real, ViscousForm form, class KernelLaw>
 std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
                                  const Neighborhood& neighbors, const MirrorPlanes& mirror,
-                                 const Bodies& bodies, const NoSlipImages& no_slip) {
+                                 const Bodies& bodies, const NoSlipImages& no_slip, bool implicit) {
     using Wide = Eight<Real>;
     const double unit = neighbors.unit_in<Real>();
     const FluidLaw& first_fluid = physics.fluids[0];
@@ -152,43 +178,44 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 }
             };
             if (!mixed) {
-                for_each_shear<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, no_slip,
-                                                              cluster, met, add_shear);
-                for_each_wall<KernelLaw, Content::one_fluid>(c, k, i, nullptr, neighbors, cluster,
-                                                             bodies, any_plane, met, add);
+                for_each_shear<KernelLaw, Content::one_fluid, form>(
+                    c, k, i, nullptr, neighbors, no_slip, cluster, met, add_shear);
+                for_each_wall<KernelLaw, Content::one_fluid, form>(
+                    c, k, i, nullptr, neighbors, cluster, bodies, any_plane, implicit, met, add);
                 continue;
             }
             MixedLanes<Real> m;
-            look_up(mixture, records, variable ? neighbors.viscosity_in<Real>().data() : nullptr,
-                    first, n, i.own, m);
+            look_up(mixture, records,
+                    variable ? neighbors.root_viscosity_in<Real>().data() : nullptr, first, n,
+                    i.own, m);
             if (variable)
-                for_each_shear<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
-                                                                 m.with, neighbors, no_slip,
-                                                                 cluster, met, add_shear);
+                for_each_shear<KernelLaw, Content::viscoplastic, form>(
+                    mixture.constants, m.factors, i, m.with, neighbors, no_slip, cluster, met,
+                    add_shear);
             else
-                for_each_shear<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
-                                                            neighbors, no_slip, cluster, met,
-                                                            add_shear);
+                for_each_shear<KernelLaw, Content::several, form>(mixture.constants, m.factors, i,
+                                                                  m.with, neighbors, no_slip,
+                                                                  cluster, met, add_shear);
             if (physics.sized()) {
                 const OwnSize<Real> own_size(physics, &neighbors.smoothing_in<Real>(), first, n);
                 if (variable)
-                    for_each_wall<KernelLaw, Content::viscoplastic, true>(
+                    for_each_wall<KernelLaw, Content::viscoplastic, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
-                        any_plane, met, add, &own_size);
+                        any_plane, implicit, met, add, &own_size);
                 else
-                    for_each_wall<KernelLaw, Content::several, true>(
+                    for_each_wall<KernelLaw, Content::several, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
-                        any_plane, met, add, &own_size);
+                        any_plane, implicit, met, add, &own_size);
                 continue;
             }
             if (variable)
-                for_each_wall<KernelLaw, Content::viscoplastic>(mixture.constants, m.factors, i,
-                                                                m.with, neighbors, cluster, bodies,
-                                                                any_plane, met, add);
+                for_each_wall<KernelLaw, Content::viscoplastic, form>(
+                    mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies, any_plane,
+                    implicit, met, add);
             else
-                for_each_wall<KernelLaw, Content::several>(mixture.constants, m.factors, i, m.with,
-                                                           neighbors, cluster, bodies, any_plane,
-                                                           met, add);
+                for_each_wall<KernelLaw, Content::several, form>(mixture.constants, m.factors, i,
+                                                                 m.with, neighbors, cluster, bodies,
+                                                                 any_plane, implicit, met, add);
         }
     }
     std::vector<Vec3> force(all, Vec3{});
@@ -200,13 +227,23 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
 
 }  // namespace
 
-std::vector<Vec3> wall_forces(const PairPhysics& physics, const Neighborhood& neighbors,
+std::vector<Vec3> wall_forces(const PairPhysics& of, const Neighborhood& neighbors,
                               const MirrorPlanes& mirror, const Bodies& bodies,
                               const NoSlipImages& no_slip) {
+    // of the velocities that the implicit update of the step before has found
+    PairPhysics physics = of;
+    physics.implicit_viscosity = false;
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        return neighbors.exact().used
-                   ? force_on_walls<double>(kernel, physics, neighbors, mirror, bodies, no_slip)
-                   : force_on_walls<float>(kernel, physics, neighbors, mirror, bodies, no_slip);
+        const auto in = [&]<class Real>() {
+            using Law = std::decay_t<decltype(kernel)>;
+            const auto force = physics.explicit_form() == ViscousForm::strain
+                                   ? force_on_walls<Real, ViscousForm::strain, Law>
+                                   : force_on_walls<Real, ViscousForm::laplacian, Law>;
+            return force(kernel, physics, neighbors, mirror, bodies, no_slip,
+                         of.implicit_viscosity);
+        };
+        return neighbors.exact().used ? in.template operator()<double>()
+                                      : in.template operator()<float>();
     });
 }
 

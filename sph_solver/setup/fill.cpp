@@ -4,12 +4,33 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/setup/fill_plan.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::sph {
+
+namespace {
+
+// State, records, lists and their share of walls, as bench_sph_throughput counts them; the state alone.
+constexpr double bytes_per_particle = 600, bytes_per_place = 140;
+
+/// Rather a sentence at once than a machine that swaps to death. `each`: bytes that are about to be
+/// asked for; count: of particles at most.
+void refuse_beyond_memory(const Case& input, double count, double each) {
+    const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+    if (each * count <= memory) return;
+    const double bytes = bytes_per_particle * count;
+    throw InputError(fmt::format(
+        "{}: sph.spacing = {:.6g} m makes up to {:.3g} particles, which take {:.3g} GiB of memory; this "
+        "machine has {:.3g} GiB: use a spacing of {:.2g} m or more.", input.file, input.sph.spacing,
+        count, bytes / (1 << 30), memory / (1 << 30),
+        input.sph.spacing * 1.05 * std::pow(bytes / memory, 1.0 / input.info.dimension)));
+}
+
+}  // namespace
 
 Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     const bool flat = input.info.dimension == 2;
@@ -42,6 +63,8 @@ Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
                     std::ceil(cells) * dx));
         }
         filled.first_id.push_back(static_cast<std::int64_t>(i));
+        const double places = double(i) + double(n[0]) * n[1] * n[2];
+        refuse_beyond_memory(input, places, bytes_per_place);
         particles.resize(i + std::size_t(n[0]) * n[1] * n[2]);
         for (int ix = 0; ix < n[0]; ++ix)
             for (int iy = 0; iy < n[1]; ++iy)
@@ -71,6 +94,7 @@ Filled fill_particles(const Case& input, const std::vector<FluidLaw>& fluids) {
     if (i > 2000000000u / 8)
         throw InputError(fmt::format("{}: {} particles are more than this version can index.",
                                      input.file, i));
+    refuse_beyond_memory(input, double(i), bytes_per_particle);
     return filled;
 }
 

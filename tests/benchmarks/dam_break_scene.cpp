@@ -12,7 +12,8 @@ using namespace sph;
 
 namespace {
 
-constexpr double depth = 0.3;  // [m] H of the case
+constexpr double depth = 0.3;   // [m] H of the case
+constexpr double width = 0.15;  // [m] of its tank
 
 Snapshot state_of(const FluidSystem& fluid, double t) {
     const Particles& p = fluid.particles;
@@ -70,21 +71,32 @@ std::vector<Snapshot> develop(const Case& input, const std::vector<double>& t_st
     return found;
 }
 
-Snapshot refine(const Snapshot& coarse, double spacing) {
-    Snapshot fine;
-    fine.t = coarse.t;
-    const double quarter = 0.25 * spacing;  // of the coarse case
-    for (std::size_t i = 0; i < coarse.x.size(); ++i)
-        for (int child = 0; child < 8; ++child) {
-            fine.x.push_back(coarse.x[i] + (child & 1 ? quarter : -quarter));
-            fine.y.push_back(coarse.y[i] + (child & 2 ? quarter : -quarter));
-            fine.z.push_back(coarse.z[i] + (child & 4 ? quarter : -quarter));
-            fine.vx.push_back(coarse.vx[i]);
-            fine.vy.push_back(coarse.vy[i]);
-            fine.vz.push_back(coarse.vz[i]);
-            fine.drho.push_back(coarse.drho[i]);
+Snapshot side_by_side(const Snapshot& one, int copies) {
+    Snapshot all;
+    all.t = one.t;
+    for (int c = 0; c < copies; ++c) {
+        const bool mirrored = c % 2;
+        for (std::size_t i = 0; i < one.x.size(); ++i) {
+            all.x.push_back(one.x[i]);
+            all.y.push_back(mirrored ? (c + 1) * width - one.y[i] : c * width + one.y[i]);
+            all.z.push_back(one.z[i]);
+            all.vx.push_back(one.vx[i]);
+            all.vy.push_back(mirrored ? -one.vy[i] : one.vy[i]);
+            all.vz.push_back(one.vz[i]);
+            all.drho.push_back(one.drho[i]);
         }
-    return fine;
+    }
+    return all;
+}
+
+Case widened(Case one, int copies) {
+    const double far = copies * width;
+    for (Fill& fill : one.sph.fill) fill.box.max[1] = far;
+    for (Body& body : one.sph.body) body.shape.box->max[1] += far - width;
+    for (PlaneWall& plane : one.sph.plane)
+        if (plane.point[1] == width) plane.point[1] = far;
+    one.sph.domain->max[1] += far - width;
+    return one;
 }
 
 void load(const Snapshot& state, FluidSystem& fluid) {

@@ -22,9 +22,10 @@ Case dam_break(double spacing, const std::vector<std::string>& set = {});
 /// Runs it with two passes and keeps its state at the times [t*].
 std::vector<Snapshot> develop(const Case& input, const std::vector<double>& t_star);
 
-/// Eight particles in the place of each, half as far apart: a developed state of a finer case
-/// without the time to run it there. They find an order of their own in the first steps.
-Snapshot refine(const Snapshot& coarse, double spacing);
+/// A tank as wide as `copies` of it: the same flow with so many times its particles, every second
+/// copy mirrored, so that it goes on smoothly across where a side wall was.
+Snapshot side_by_side(const Snapshot& one, int copies);
+Case widened(Case one, int copies);
 
 /// Puts a state into a solver whose case holds as many particles.
 void load(const Snapshot& state, sph::FluidSystem& fluid);

@@ -7,7 +7,7 @@ from ..errors import CHECKS_FAILED, DONE, RunFailed, UserError
 from ..paths import RESULTS, shown
 from ..results_folder import describe_run, write_json
 from ..table import console
-from .ladder import folder_of, known_verifications, ladder_of, run_rung
+from .ladder import folder_of, known_verifications, ladder_of, named, run_rung, solver_of
 from .order import orders_of, row_names, unknown_rows
 
 
@@ -23,14 +23,15 @@ def verify(arguments):
             say(f"{name:24} {case['case']['title']} ({', '.join(case['report'].get('ladder', []))})")
         return DONE
     good = True
-    for target in arguments.names or (known_verifications() if not arguments.docs else []):
+    names = [name for target in arguments.names for name in named(target)]
+    for target in names or (known_verifications() if not arguments.docs else []):
         folder = folder_of(target)
         good &= verify_one(folder, arguments, root)
     if arguments.docs:
-        from .pages import PAGE, write_page
+        from .pages import write_pages
 
-        write_page(root)
-        say(f"{shown(PAGE)} has the table of {shown(root)}")
+        for page in write_pages(root):
+            say(f"{shown(page)} has the table of {shown(root)}")
     return DONE if good else CHECKS_FAILED
 
 
@@ -69,7 +70,7 @@ def verify_one(folder, arguments, root):
     if rungs and (unknown := unknown_rows(rungs, settings)):
         raise UserError(f"{shown(folder)}/case.toml: [report] names \"{unknown[0]}\", but report.py makes no such row: "
                         f"it has {', '.join(row_names(rungs))}.")
-    result = {"name": folder.name, "title": case["case"]["title"], "exact": settings.get("exact", ""),
+    result = {"name": folder.name, "solver": solver_of(case), "title": case["case"]["title"], "exact": settings.get("exact", ""),
               "gates_from": settings.get("gates_from", ""), "defects": settings.get("defects", {}),
               "made": describe_run(["verify", folder.name], arguments.threads or 1), "set": arguments.set,
               "orders": orders_of(rungs, settings),
@@ -92,8 +93,8 @@ def verify_one(folder, arguments, root):
 
 
 def add_command(commands, positive):
-    sub = commands.add_parser("verify", help="exact solutions: error and cost of the SPH solver alone, over resolutions")
-    sub.add_argument("names", nargs="*", metavar="NAME", help="folders of cases/verify_sph, or other folders; default: all")
+    sub = commands.add_parser("verify", help="exact solutions: error and cost of one solver alone, over resolutions")
+    sub.add_argument("names", nargs="*", metavar="NAME", help="folders of cases/verify_sph and cases/verify_fem, or other folders; `channel` stands for all channel_*; default: all")
     sub.add_argument("--list", action="store_true", help="name them and end")
     sub.add_argument("--quick", action="store_true", help="without the finest level, variants and pictures")
     sub.add_argument("--long", action="store_true", help="the levels that [report] lists as long as well")
@@ -104,6 +105,6 @@ def add_command(commands, positive):
     sub.add_argument("--threads", type=positive, help="per run (default: 1, so that CPU times compare)")
     sub.add_argument("--out", metavar="DIR", help="where the results go (default: results/verify)")
     sub.add_argument("--reuse", action="store_true", help="judge the results that are there, without running")
-    sub.add_argument("--docs", action="store_true", help="write the table of docs/validation_sph.md; without names: only that")
+    sub.add_argument("--docs", action="store_true", help="write the tables of docs/validation_sph.md and docs/validation_fem.md; without names: only that")
     sub.add_argument("--quiet", action="store_true", help="only tables")
     sub.set_defaults(do=verify)

@@ -13,8 +13,10 @@ from ..paths import TOP, program, shown
 from ..report import run_report
 from ..results_folder import describe_run, prepare, read_json, write_json
 from .measured import Measured
+from .structure import MeasuredStructure, figures_of_structure
 
 CASES = TOP / "cases" / "verify_sph"
+CASES_OF_STRUCTURES = TOP / "cases" / "verify_fem"
 
 
 @dataclass
@@ -31,17 +33,25 @@ class Rung:
 
 def known_verifications():
     """Name -> folder, in alphabetical order."""
-    return {folder.name: folder for folder in sorted(CASES.iterdir()) if (folder / "case.toml").exists()}
+    folders = [folder for cases in (CASES, CASES_OF_STRUCTURES) for folder in sorted(cases.iterdir())]
+    return {folder.name: folder for folder in folders if (folder / "case.toml").exists()}
 
 
 def folder_of(target):
-    """The folder of a verification: its name under cases/verify_sph, or a path."""
+    """The folder of a verification: its name under cases/verify_sph or cases/verify_fem, or a path."""
     known = known_verifications()
     if target in known:
         return known[target]
     if (Path(target) / "case.toml").exists():
         return Path(target)
     raise UserError(f"{target} is no verification: known are {', '.join(known)}; or give a folder that holds case.toml.")
+
+
+def named(target):
+    """Targets that a name stands for: itself, or all verifications of that family, channel for channel_newton, ..."""
+    known = known_verifications()
+    family = [name for name in known if name.startswith(target + "_")]
+    return [target] if target in known or not family else family
 
 
 def ladder_of(folder, quick, long):
@@ -81,8 +91,9 @@ def run_rung(folder, rung, overrides, variants, threads, root, reuse):
     for assignment in overrides:
         options += ["--set", assignment]
     case = resolve(folder, options)
-    if case["coupled"] or case["fem"] or not case["sph"]:
-        raise UserError(f"{case['file']}: a verification here is of the SPH solver alone; take [fem] and [coupling] out.")
+    if case["coupled"] or bool(case["fem"]) == bool(case["sph"]):
+        raise UserError(f"{case['file']}: a verification here is of one solver alone; keep one of [sph] and [fem], and take "
+                        "[coupling] out.")
     out = Path(root) / "-".join([folder.name, rung.level, *([rung.variant] if rung.variant else [])])
     if reuse:
         if read_json(out / "summary.json") is None:
@@ -91,7 +102,7 @@ def run_rung(folder, rung, overrides, variants, threads, root, reuse):
     else:
         prepare(out, replace=True)
         write_json(out / "run.json", describe_run(["verify", folder.name, *options], threads))
-        cost = run_alone(case, options, out, threads)
+        cost = run_alone(f"{solver_of(case)}_solver", case, options, out, threads)
     write_json(out / "case.json", case)
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": rung.level,
                "variants": [v for v in (rung.variant, *variants) if v], "set": overrides, "ok": True, "exit_code": 0,
@@ -101,16 +112,26 @@ def run_rung(folder, rung, overrides, variants, threads, root, reuse):
     run_report(out, case, summary)
     summary["ok"] = all(row["ok"] is not False or (row.get("defect") and not row["worse"]) for row in summary["checks"])
     write_json(out / "summary.json", summary)
-    rung.figures = figures_of(out, case, summary)
+    rung.figures = (figures_of if case["sph"] else figures_of_structure)(out, case, summary)
     return out
 
 
-def run_alone(case, options, out, threads):
-    """Runs sph_solver --alone. Wall and CPU time [s] and memory [MiB] of that one process."""
-    command = [str(program("sph_solver")), case["file"], "--out", str(out), *options, "--alone", "--quiet",
+def solver_of(case):
+    """ "sph" or "fem"."""
+    return "sph" if case["sph"] else "fem"
+
+
+def measured_of(out, case, summary):
+    """What a report or a picture works with."""
+    return (Measured if case["sph"] else MeasuredStructure)(out, case, summary)
+
+
+def run_alone(solver, case, options, out, threads):
+    """Runs the solver --alone. Wall and CPU time [s] and memory [MiB] of that one process."""
+    command = [str(program(solver)), case["file"], "--out", str(out), *options, "--alone", "--quiet",
                "--threads", str(threads)]
-    child = Child("sph_solver", command, threads)
-    with open(out / "sph_solver.stderr", "wb") as errors:
+    child = Child(solver, command, threads)
+    with open(out / f"{solver}.stderr", "wb") as errors:
         started = time.monotonic()
         child.process = subprocess.Popen(command, env=environment(threads), stdin=subprocess.DEVNULL,
                                          stdout=errors, stderr=errors)
@@ -121,7 +142,7 @@ def run_alone(case, options, out, threads):
         raise KeyboardInterrupt
     if child.code != 0:
         path, lines = last_words(child, out)
-        raise RunFailed(child.code if child.code > 0 else 1, f"sph_solver {how_it_ended(child)}"
+        raise RunFailed(child.code if child.code > 0 else 1, f"{solver} {how_it_ended(child)}"
                         + "".join(f"\n    {line}" for line in lines))
     return {"wall_s": round(wall, 3), "cpu_s": round(used.ru_utime + used.ru_stime, 3),
             "memory_mib": round(used.ru_maxrss / 1024, 1)}

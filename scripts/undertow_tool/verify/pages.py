@@ -1,4 +1,4 @@
-"""The table of docs/validation_sph.md, between its two marks; and what the terminal shows."""
+"""The tables of docs/validation_sph.md and docs/validation_fem.md, each between its two marks; and what the terminal shows."""
 import shutil
 
 from rich.table import Table
@@ -9,9 +9,28 @@ from ..paths import TOP, shown
 from ..results_folder import read_json
 from ..table import error_text, limit_text, number
 
-PAGE = TOP / "docs" / "validation_sph.md"
-IMAGES = TOP / "docs" / "images" / "verify_sph"
+PAGES = {solver: TOP / "docs" / f"validation_{solver}.md" for solver in ("sph", "fem")}
 BEGIN, END = "<!-- verify: begin (written by scripts/undertow verify --docs) -->", "<!-- verify: end -->"
+# Columns of a run's figures: title on the page, title in the terminal, key, factor.
+COLUMNS = {
+    "sph": (("dx [m]", "dx", "spacing", 1), ("particles", "particles", "particles", 1), ("steps", "steps", "steps", 1),
+            ("CPU [s]", "CPU s", "cpu_s", 1),
+            ("M particle-steps/CPU s", "M p-steps/CPU s", "particle_steps_per_cpu_s", 1e-6),
+            ("density deviation", "|drho|/rho", "max_density_deviation", 1), ("momentum error", "momentum", "momentum_error", 1)),
+    "fem": (("h [m]", "h", "spacing", 1), ("elements", "elements", "elements", 1), ("steps", "steps", "steps", 1),
+            ("CPU [s]", "CPU s", "cpu_s", 1),
+            ("M element-steps/CPU s", "M el-steps/CPU s", "element_steps_per_cpu_s", 1e-6),
+            ("energy balance", "energy", "energy_balance_error", 1)),
+}
+
+
+def columns_of(result):
+    return COLUMNS[result.get("solver", "sph")]
+
+
+def cells_of(rung, columns):
+    figures = rung["figures"]
+    return [rung["label"]] + [number(figures[key] * factor if factor != 1 else figures[key]) for _, _, key, factor in columns]
 
 
 def row_state(row):
@@ -31,16 +50,12 @@ def state_text(state):
 def ladder_table(result):
     """For the terminal."""
     table = Table(title=f"{result['name']}: {result['title']}", title_justify="left", title_style="bold")
-    for column, justify in (("level", "left"), ("dx", "right"), ("particles", "right"), ("steps", "right"),
-                            ("CPU s", "right"), ("wall s", "right"), ("M p-steps/CPU s", "right"), ("|drho|/rho", "right"),
-                            ("momentum", "right"), ("quantity", "left"), ("ours", "right"), ("error", "right"),
-                            ("allowed", "right"), ("", "left"), ("order", "right")):
+    columns = columns_of(result)
+    for column, justify in (("level", "left"), *((title, "right") for _, title, _, _ in columns), ("quantity", "left"),
+                            ("ours", "right"), ("error", "right"), ("allowed", "right"), ("", "left"), ("order", "right")):
         table.add_column(column, justify=justify, overflow="fold")
     for rung in result["rungs"]:
-        f = rung["figures"]
-        cells = [rung["label"], number(f["spacing"]), number(f["particles"]), number(f["steps"]), number(f["cpu_s"]),
-                 number(f["wall_s"]), f"{1e-6 * f['particle_steps_per_cpu_s']:.2f}", number(f["max_density_deviation"]),
-                 number(f["momentum_error"])]
+        f, cells = rung["figures"], cells_of(rung, columns)
         for row in f["checks"] or [None]:
             told = [row["name"], number(row["value"], row["unit"]), error_text(row), limit_text(row),
                     state_text(row_state(row)), number(result["orders"].get(row["name"]))] if row else [""] * 6
@@ -49,36 +64,45 @@ def ladder_table(result):
     return table
 
 
-def write_page(root):
-    """Fills the block of docs/validation_sph.md from the results under root and copies the pictures."""
-    text = PAGE.read_text()
+def write_pages(root):
+    """Fills the block of each solver's page from the results under root and copies the pictures; the pages written."""
+    results = [(path, read_json(path)) for path in sorted(root.glob("*.json"))]
+    results = [(path, result) for path, result in results if result is not None and "rungs" in result]
+    written = []
+    for solver, page in PAGES.items():
+        own = [(path, result) for path, result in results if result.get("solver", "sph") == solver]
+        if own:
+            write_page(page, own)
+            written.append(page)
+    return written
+
+
+def write_page(page, results):
+    text = page.read_text()
     if BEGIN not in text or END not in text:
-        raise UserError(f"{PAGE.name} has lost the marks between which the table is written: {BEGIN} and {END}.")
-    IMAGES.mkdir(parents=True, exist_ok=True)
+        raise UserError(f"{page.name} has lost the marks between which the table is written: {BEGIN} and {END}.")
     lines = []
-    for path in sorted(root.glob("*.json")):
-        result = read_json(path)
-        if result is None or "rungs" not in result:
-            continue
+    for path, result in results:
         if not path.with_suffix(".png").exists():
             raise UserError(f"{shown(path)} is of a quick run without a picture: run `undertow verify {result['name']}` first.")
-        shutil.copyfile(path.with_suffix(".png"), IMAGES / f"{result['name']}.png")
+        images = TOP / "docs" / "images" / f"verify_{result.get('solver', 'sph')}"
+        images.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path.with_suffix(".png"), images / f"{result['name']}.png")
         lines += section(result)
     before, rest = text.split(BEGIN)
-    PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])
+    page.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])
 
 
 def section(result):
     """Lines of Markdown about one verification."""
+    columns = columns_of(result)
+    titles = ["level", *(title for title, _, _, _ in columns), "quantity", "ours", "error", "allowed", ""]
     lines = ["", f"### {result['name']}: {result['title']}", "", f"{result['exact']}", "",
-             f"![error and cost](images/verify_sph/{result['name']}.png)", "",
-             "| level | dx [m] | particles | steps | CPU [s] | M particle-steps/CPU s | density deviation | momentum error "
-             "| quantity | ours | error | allowed | |",
-             "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
+             f"![error and cost](images/verify_{result.get('solver', 'sph')}/{result['name']}.png)", "",
+             "| " + " | ".join(titles) + " |", "|" + "---|" * len(titles)]
     for rung in result["rungs"]:
         f = rung["figures"]
-        cells = [rung["label"], number(f["spacing"]), number(f["particles"]), number(f["steps"]), f"{f['cpu_s']:.1f}",
-                 f"{1e-6 * f['particle_steps_per_cpu_s']:.1f}", number(f["max_density_deviation"]), number(f["momentum_error"])]
+        cells = cells_of(rung, columns)
         for row in f["checks"]:
             name = row["name"].replace("|", "\\|")      # Markdown's own mark of columns
             lines.append("| " + " | ".join(cells + [name, number(row["value"], row["unit"]), error_text(row),

@@ -6,7 +6,7 @@ import numpy as np
 from .. import pictures
 from ..pictures import plt
 from ..results_folder import read_json
-from .measured import Measured
+from .ladder import measured_of
 from .order import errors_of, orders_of, row_names
 
 COLORS = ("#3b7dd8", "#d1495b", "#2a9d8f", "#8a5a9e", "#c98b1b")
@@ -34,7 +34,7 @@ def draw_ladder(title, settings, folder, rungs, outs, path):
     figure = pictures.new_figure((11 if draw else 7.6, 3.5))
     axes = figure.subplots(1, 3 if draw else 2)
     if draw:
-        runs = [(rung.label, Measured(out, read_json(out / "case.json"), read_json(out / "summary.json")))
+        runs = [(rung.label, measured_of(out, read_json(out / "case.json"), read_json(out / "summary.json")))
                 for rung, out in zip(rungs, outs) if not rung.variant]
         draw(axes[0], runs)
     against_dx, against_cost = axes[-2], axes[-1]

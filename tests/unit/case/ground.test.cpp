@@ -67,6 +67,22 @@ gap = 0.005
     CHECK(c.fem.contact[0].friction == 0.328);
 }
 
+TEST_CASE("shells, their supports and their yielding are read, and mistakes told") {
+    const std::string part = "material = \"steel\"\n";
+    CHECK_THAT(mistake(case_text::with(plate, part, part + "element = \"shell\"\n")),
+               Catch::Contains("needs quads") && Catch::Contains("[fem.block]"));
+    CHECK_THAT(mistake(case_text::with(plate, part, part + "thickness = 0.1\n")),
+               Catch::Contains("no effect") && Catch::Contains("shell"));
+    CHECK_THAT(mistake(case_text::with(plate, "poisson_ratio = 0.3\n",
+                                       "poisson_ratio = 0.3\nyield_stress = 2e8\n")),
+               Catch::Contains("no effect") && Catch::Contains("j2"));
+    CHECK_THAT(mistake(case_text::with(plate, "poisson_ratio = 0.3\n",
+                                       "poisson_ratio = 0.3\nkind = \"j2\"\n")),
+               Catch::Contains("yield_stress"));
+    CHECK_THAT(mistake(plate + "[[fem.support]]\nset = \"xmin\"\nfix = [\"rot\"]\n"),
+               Catch::Contains("clamp"));
+}
+
 TEST_CASE("mistakes in a scene on soil are named with their place") {
     const std::string soil = case_text::with(plate, "poisson_ratio = 0.3\n",
                                              "poisson_ratio = 0.3\nkind = \"tresca\"\n");

@@ -89,6 +89,17 @@ const Mistake mistakes[] = {
      "case.toml:27:12: fem.part.0.material = \"stel\" is not known: allowed are steel; did you "
      "mean "
      "\"steel\"?"},
+    {"material = \"steel\"", "material = \"steel\"\nelement = \"bbar\"",
+     "case.toml:28:11: fem.part.0.element = \"bbar\" is not known: allowed are one_point, b_bar, "
+     "averaged_pressure; did you mean \"b_bar\"?"},
+    {"divisions = [4, 4, 1]", "divisions = [4, 4, 1]\ncells = \"tets\"",
+     "case.toml:20:9: fem.block.cells = \"tets\" is not known: allowed are hexahedra, tetrahedra"},
+    {"divisions = [4, 4, 1]", "divisions = [4, 4, 1]\ncorners = [[0, 0, 0]]",
+     "case.toml:20:11: fem.block.corners = [[0, 0, 0]] is one shape too many"},
+    {"box = { min = [0, 0, -0.2], max = [1, 1, 0] }", "corners = [[0, 0, 0], [1, 0, 0]]",
+     "case.toml:18:11: fem.block.corners = [[0, 0, 0], [1, 0, 0]] is not allowed: 8 points"},
+    {"[[fem.surface]]", "[[fem.traction]]\nset = \"xmax\"\nvalue = 5\n[[fem.surface]]",
+     "case.toml:30:9: fem.traction.0.value = 5 is not a vector: three finite numbers"},
     {"set = \"zmax\"", "set = \"top\"",
      "case.toml:30:7: fem.surface.top.set = \"top\" is not known: allowed are xmin, xmax"},
     {"divisions = [4, 4, 1]", "divisions = [4, 4, 0]",

@@ -17,10 +17,13 @@ struct LimitLoad {
 /// Half of a smooth rigid strip of half width 1 m, pressed down 10 mm into clay without weight,
 /// slowly (1e-4 of the shear wave speed); `n` elements along the half width. E = 5000 s_u, so that
 /// the limit is reached before the shape changes.
-LimitLoad strip_footing(int n) {
+LimitLoad strip_footing(int n, ElementFormulation element = ElementFormulation::automatic,
+                        BlockCells cells = BlockCells::hexahedra) {
     const double su = 1e4, b = 1, h = b / n;
     Case c = BlockCase{{5, h, 3}, {5 * n, 1, 3 * n}, 5000 * su, 0.49, 1846}.settings();
     c.fem.block->box = {{0, 0, -3}, {5, h, 0}};
+    c.fem.block->cells = cells;
+    c.fem.part[0].element = element;
     c.info.dimension = 2;
     c.info.thickness = h;
     c.fem.material[0].kind = MaterialKind::tresca;
@@ -74,6 +77,18 @@ TEST_CASE("a strip footing gives way at (2 + pi) s_u, and hourglass stresses add
     CHECK(fine.hourglass < 0.03);
     CHECK(fine.hourglass < 0.6 * coarse.hourglass);
     CHECK(fine.kinetic < 1e-3);
+}
+
+TEST_CASE("8-point hexahedra and tetrahedra find the footing's limit load as well") {
+    const double prandtl = 2 + std::acos(-1.0);
+    const LimitLoad eight = strip_footing(4, ElementFormulation::b_bar),
+                    four = strip_footing(4, ElementFormulation::averaged_pressure,
+                                         BlockCells::tetrahedra);
+    WARN("strip footing, 4 cells on the half width, Nc over 2 + pi: 8-point hexahedra "
+         << eight.Nc / prandtl << ", tetrahedra " << four.Nc / prandtl);
+    CHECK(eight.Nc == Approx(prandtl).epsilon(0.025));
+    CHECK(four.Nc == Approx(prandtl).epsilon(0.05));
+    CHECK(eight.hourglass == 0);
 }
 
 }  // namespace

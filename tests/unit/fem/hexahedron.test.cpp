@@ -41,9 +41,9 @@ struct OneElement {
     double x[3][8], dx[3][8] = {}, f[3][8] = {};
     HexahedronState<double> state{};
     HexahedronConstants<double> constants{};
-    HexahedronReport<double> report{};
+    ElementReport<double> report{};
     LinearElastic material;
-    HexahedronLaw law;
+    ElementLaw law;
 
     OneElement(const Vec3& size, double distortion, double E = 2e9, double nu = 0.3) {
         std::mt19937 random(7);
@@ -105,7 +105,7 @@ TEST_CASE("the vector kernel repeats the scalar reference") {
     Lanes x[3][8], dx[3][8], f[3][8];
     HexahedronState<Lanes> state = {};
     HexahedronConstants<Lanes> constants = {};
-    HexahedronReport<Lanes> report;
+    ElementReport<Lanes> report;
     std::vector<OneElement> reference;
     for (int l = 0; l < n_lanes; ++l) {
         OneElement e({1.0, 0.5 + 0.1 * l, 2.0}, 0.02 * l);

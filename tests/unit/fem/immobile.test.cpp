@@ -88,10 +88,10 @@ TEST_CASE("a bed that faces down, has twin nodes, or lies on an element is refus
     CHECK_THROWS_WITH(build_model(leaky.c),
                       Catch::Contains("a leak") && Catch::Contains("(1, 0, 1)"));
     BedCase on_cube(cube_and_bed("2 3 7 6"));
-    CHECK_THROWS_WITH(build_model(on_cube.c), Catch::Contains("is a face of a hexahedron"));
+    CHECK_THROWS_WITH(build_model(on_cube.c), Catch::Contains("is a face of an element"));
     BedCase mobile(cube_and_bed("6 9 10 7"));
     mobile.c.fem.surface[1].immobile = false;
-    CHECK_THROWS_WITH(build_model(mobile.c), Catch::Contains("is not a face of any hexahedron"));
+    CHECK_THROWS_WITH(build_model(mobile.c), Catch::Contains("is not a face of any solid element"));
     BlockCase block;
     Case c = block.settings();
     c.fem.surface = {{"bed", "zmax", true}};

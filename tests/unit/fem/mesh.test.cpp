@@ -178,6 +178,117 @@ TEST_CASE("a Gmsh file brings nodes, elements and sets, its quads turned outward
     }
 }
 
+// A tetrahedron, then a hexahedron beside it, then a quad of a plate; in this order in the file.
+const char* const three_kinds = R"($MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+2 1 "skin"
+2 2 "plate"
+3 3 "wedge"
+3 4 "brick"
+$EndPhysicalNames
+$Entities
+0 0 2 2
+1 0 0 0 1 1 1 1 1 0
+2 0 0 5 1 1 5 1 2 0
+1 0 0 0 1 1 1 1 3 0
+2 2 0 0 3 1 1 1 4 0
+$EndEntities
+$Nodes
+1 16 1 16
+3 1 0 16
+1
+2
+3
+4
+5
+6
+7
+8
+9
+10
+11
+12
+13
+14
+15
+16
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+2 0 0
+3 0 0
+3 1 0
+2 1 0
+2 0 1
+3 0 1
+3 1 1
+2 1 1
+0 0 5
+1 0 5
+1 1 5
+0 1 5
+$EndNodes
+$Elements
+4 4 1 30
+3 1 4 1
+10 1 2 3 4
+3 2 5 1
+20 5 6 7 8 9 10 11 12
+2 1 2 1
+25 1 2 3
+2 2 3 1
+30 13 14 15 16
+$EndElements
+)";
+
+TEST_CASE("elements of several shapes are numbered shape by shape, their facets turned outward") {
+    const GmshFolder folder;
+    const Mesh mesh = read_gmsh(folder.write(three_kinds), {}, {"plate"});
+    CHECK(mesh.n_elements() == 3);
+    CHECK(mesh.elements_of("brick", "test") == std::vector<std::int32_t>{0});
+    CHECK(mesh.elements_of("wedge", "test") == std::vector<std::int32_t>{1});
+    CHECK(mesh.elements_of("plate", "test") == std::vector<std::int32_t>{2});
+    CHECK(mesh.element_name(0) == "hexahedron 20");
+    CHECK(mesh.element_name(1) == "tetrahedron 10");
+    CHECK(mesh.element_name(2) == "shell 30");
+    CHECK(mesh.corners(1).size() == 4);
+    CHECK(mesh.nodes_of("wedge", "test").size() == 4);
+    CHECK(mesh.x.size() == 16);
+    const Quad& bottom = mesh.facets_of("skin", "test")[0];  // 1 2 3 looks up, into the solid
+    CHECK(bottom[2] == bottom[3]);
+    CHECK(corners_of(bottom).size() == 3);
+    CHECK(enclosed_volume(mesh, {bottom}) == 0);  // at z = 0; its normal:
+    const Vec3 &a = mesh.x[bottom[0]], &b = mesh.x[bottom[1]], &c = mesh.x[bottom[2]];
+    CHECK((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) == -1);
+    CHECK(mesh.facets_of("plate", "test").size() == 1);
+    CHECK(check_mesh(mesh).worst_aspect == Approx(2));  // of the tetrahedron
+
+    // without the name of a shell, its quad is a facet that belongs to nothing
+    CHECK_THROWS_WITH(read_gmsh(folder.write(three_kinds)),
+                      Catch::Contains("quad 30") && Catch::Contains("not a face"));
+    const Mesh flat = read_gmsh(folder.write(with(three_kinds, "10 1 2 3 4", "10 1 3 2 4")), {},
+                                {"plate"});
+    CHECK_THROWS_WITH(check_mesh(flat), Catch::Contains("tetrahedron 10"));
+}
+
+TEST_CASE("the faces of a tetrahedron enclose its volume") {
+    Mesh mesh;
+    mesh.x = {{0.1, 0, 0}, {1, 0.2, 0}, {0, 1, 0.3}, {0.2, 0.1, 1}};
+    mesh.tetrahedra = {{0, 1, 2, 3}};
+    std::vector<Quad> skin;
+    for_each_face(mesh, [&](std::size_t, const Quad& q) { skin.push_back(q); });
+    REQUIRE(skin.size() == 4);
+    // det of the edges from node 0: (0.9, 0.2, 0), (-0.1, 1, 0.3), (0.1, 0.1, 1)
+    CHECK(enclosed_volume(mesh, skin) == Approx((0.9 * 0.97 - 0.2 * -0.13) / 6).epsilon(1e-14));
+    Quad turned{5, 3, 9, 9};
+    CHECK(sorted_facet(turned) == sorted_facet({9, 5, 3, 3}));
+    CHECK(sorted_facet(turned) != sorted_facet({9, 5, 4, 4}));
+}
+
 TEST_CASE("a Gmsh file that cannot be used is refused with file, line and advice") {
     const GmshFolder folder;
     const auto message = [&](const std::string& text) -> std::string {
@@ -191,8 +302,8 @@ TEST_CASE("a Gmsh file that cannot be used is refused with file, line and advice
     CHECK_THAT(message(with(two_cubes, "4.1 0 8", "2.2 0 8")),
                Catch::Contains("mesh.msh:2") && Catch::Contains("2.2") && Catch::Contains("4.1"));
     CHECK_THAT(message(with(two_cubes, "4.1 0 8", "4.1 1 8")), Catch::Contains("binary"));
-    CHECK_THAT(message(with(two_cubes, "3 1 5 1\n", "3 1 4 1\n")),
-               Catch::Contains("mesh.msh:61") && Catch::Contains("tetrahedron"));
+    CHECK_THAT(message(with(two_cubes, "3 1 5 1\n", "3 1 6 1\n")),
+               Catch::Contains("mesh.msh:61") && Catch::Contains("prism"));
     CHECK_THAT(message(with(two_cubes, "106 1 2", "106 1 77")),
                Catch::Contains("node 77 is not in $Nodes"));
     CHECK_THAT(message(with(two_cubes, "103 1 2 3 4", "103 2 3 7 6")),

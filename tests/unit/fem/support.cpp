@@ -8,7 +8,7 @@ Case BlockCase::settings() const {
     Case c;
     c.info.gravity = {0, 0, 0};
     c.fem.present = true;
-    c.fem.block = FemBlock{{{0, 0, 0}, size}, divisions};
+    c.fem.block = FemBlock{{{0, 0, 0}, size}, divisions, {}, cells};
     c.fem.bulk_viscosity_linear = 0;
     c.fem.bulk_viscosity_quadratic = 0;
     c.fem.material = {{.name = "solid",
@@ -16,7 +16,7 @@ Case BlockCase::settings() const {
                        .density = density,
                        .young_modulus = young_modulus,
                        .poisson_ratio = poisson_ratio}};
-    c.fem.part = {{"block", "solid"}};
+    c.fem.part = {{"block", "solid", element}};
     return c;
 }
 

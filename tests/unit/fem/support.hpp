@@ -14,6 +14,8 @@ struct BlockCase {
     double young_modulus = 1e9;  // [Pa]
     double poisson_ratio = 0.3;
     double density = 1000;  // [kg/m3]
+    ElementFormulation element = ElementFormulation::automatic;
+    BlockCells cells = BlockCells::hexahedra;
 
     /// An [fem] table with one part, no viscosity, no loads, no weight.
     Case settings() const;

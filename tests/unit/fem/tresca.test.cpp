@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "fem_solver/elements/hexahedron.hpp"
 #include "support.hpp"
 
 namespace undertow::fem {
@@ -234,7 +235,7 @@ double bending_moment(double shear) {
                                           .axis_weight = {1. / 16, 1. / 16, 1. / 16},
                                           .omega2_reference = 1};
     const double mu = moduli.mu, nu = moduli.poisson_ratio();
-    const HexahedronLaw constants_of_law{.inverse_density = 1e-3,
+    const ElementLaw constants_of_law{.inverse_density = 1e-3,
                                          .lambda = moduli.lambda,
                                          .mu = mu,
                                          .sound_speed = 100,
@@ -247,7 +248,7 @@ double bending_moment(double shear) {
     for (int n = 0; n < 8; ++n)
         for (int d = 0; d < 3; ++d) x[d][n] = 0.5 * corner[n][d];
     for (int n = 0; n < 8; ++n) dx[0][n] = 1e-4 * (corner[n][0] * corner[n][2] + shear * x[1][n]);
-    HexahedronReport<double> report;
+    ElementReport<double> report;
     for (int k = 0; k < 200; ++k)
         step_hexahedron(x, dx, 1.0, constants, law, constants_of_law, state, f, report);
     // fiber stress 2 s_u at the faces of a cube of side 1: M = 2 s_u/6; four nodes at x = 1/2

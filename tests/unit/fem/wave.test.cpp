@@ -37,12 +37,12 @@ double dalembert_error(double cfl, double sigma) {
         nodes.x[n].c[0] += ux;
         nodes.v[n].c[0] = ux / dt;
     }
-    const_cast<Hexahedra&>(s.elements()).step(nodes, dt, 1);
+    s.elements().step(nodes, dt, 1);
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         as_row(nodes.f[n]) = Row{};
         nodes.v[n].c[0] = 0;
     }
-    const_cast<Hexahedra&>(s.elements()).step(nodes, dt, 1);  // forces of that stress, no strain
+    s.elements().step(nodes, dt, 1);  // forces of that stress, no strain
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         nodes.v[n].c[0] = velocity(nodes.x0[n].c[0], 0);
     }

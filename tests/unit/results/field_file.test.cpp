@@ -86,7 +86,7 @@ TEST_CASE("a step without particles is a step") {
 TEST_CASE("mesh steps share their connectivity and move their nodes") {
     read_back::Folder folder;
     const std::vector<std::int32_t> cube{0, 1, 2, 3, 4, 5, 6, 7};
-    MeshFile file(folder.file("fem"), 8, cube);
+    MeshFile file(folder.file("fem"), 8, {cube, {}, {}});
     std::vector<double> x{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
     const std::vector<double> u(24, 0.5), stress{1, 2, 3, 4, 5, 6};
     for (int step = 0; step < 3; ++step) {
@@ -102,6 +102,23 @@ TEST_CASE("mesh steps share their connectivity and move their nodes") {
     CHECK(dataset(path, "/Views/00002/Points").values.front() == 2);
     CHECK(dataset(path, "/Views/00001/CellData/stress").values == stress);
     CHECK(dataset(path, "/VTKHDF/Steps/Values").values == std::vector<double>{0, 0.5, 1});
+}
+
+TEST_CASE("a mesh of several kinds of cells lists them one after the other") {
+    read_back::Folder folder;
+    MeshFile file(folder.file("fem"), 10,
+                  {{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 8}, {1, 2, 9, 8}});
+    const std::vector<double> x(30), pressure{1, 2, 3};
+    file.append(0, x, {}, {{"pressure", "Pa", 1, pressure}});
+    const std::string path = folder.file("fem.vtkhdf");
+    CHECK(dataset(path, "/VTKHDF/Types").values == std::vector<double>{12, 10, 9});
+    CHECK(dataset(path, "/VTKHDF/Offsets").values == std::vector<double>{0, 8, 12, 16});
+    CHECK(dataset(path, "/Views/Cells").values ==
+          std::vector<double>{9, 0, 1, 2, 3, 4, 5, 6, 7, 6, 4, 5, 6, 8, 5, 1, 2, 9, 8});
+    CHECK(dataset(path, "/Views/00000/CellData/pressure").values == pressure);
+    const std::string xdmf = read_back::text(folder.file("fem.xdmf"));
+    CHECK(xdmf.find("TopologyType=\"Mixed\" NumberOfElements=\"3\"") != std::string::npos);
+    CHECK(xdmf.find("Dimensions=\"19\"") != std::string::npos);
 }
 
 TEST_CASE("the sidecar names the views relative to itself") {

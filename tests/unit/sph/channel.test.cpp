@@ -115,29 +115,30 @@ TEST_CASE(
         Channel channel;
         double coarse, fine;  // L2 error at 10 and 20 particles across
     };
-    // Measured at 10, 20, 40 across: see docs/theory.md. Orders above 1; limits leave a fifth.
-    const Set sets[] = {{"newton", {1, 0, 0.01, 1, 0.5}, 0.02, 0.005},
-                        {"power law", {1, 0, 0.1, 0.5, 0.5}, 0.036, 0.011},
-                        {"bingham", {1, 0.2, 0.1, 1, 0.5}, 0.05, 0.02},
-                        {"slurry", {200, 7.3, 3, 0.35, 0.1}, 0.13, 0.055},
-                        {"slide", {20000, 500, 429.74, 0.23, 0.1}, 0.15, 0.07}};
+    // Measured at 10, 20, 40 across: see docs/theory.md. Limits leave a fifth; orders are above 1,
+    // from 10 to 20 that of Bingham 0.84.
+    const Set sets[] = {{"newton", {1, 0, 0.01, 1, 0.5}, 0.013, 0.0024},
+                        {"power law", {1, 0, 0.1, 0.5, 0.5}, 0.029, 0.0085},
+                        {"bingham", {1, 0.2, 0.1, 1, 0.5}, 0.03, 0.0165},
+                        {"slurry", {200, 7.3, 3, 0.35, 0.1}, 0.048, 0.0176},
+                        {"slide", {20000, 500, 429.74, 0.23, 0.1}, 0.061, 0.0255}};
     for (const Set& set : sets) {
         const double coarse = channel_error(set.channel, 10), fine = channel_error(set.channel, 20);
         INFO(set.name << ": L2 error " << coarse << " at 10, " << fine << " at 20 across");
         CHECK(coarse < set.coarse);
         CHECK(fine < set.fine);
-        CHECK(std::log2(coarse / fine) > 1);
+        CHECK(std::log2(coarse / fine) > 0.8);
     }
 }
 
 TEST_CASE("explicit channel flow is as exact with the viscosity held for some steps") {
-    // Steps of 1/4 to 1/10 of the hold. Measured 0.0399, 0.0208; with the rate found in every step
-    // 0.0400, 0.0208; held for sixteen spacings 0.0388, 0.0206.
+    // Steps of 1/4 to 1/10 of the hold. Measured 0.0193, 0.0131. (With the harmonic mean inside the
+    // fluid 0.0399, 0.0208; with the rate found in every step 0.0400, 0.0208.)
     const Channel bingham{1, 0.2, 0.1, 1, 0.5};
     const double coarse = channel_error(bingham, 10, 3), fine = channel_error(bingham, 20, 3);
     INFO("L2 error " << coarse << " at 10, " << fine << " at 20 across");
-    CHECK(coarse < 0.042);
-    CHECK(fine < 0.022);
+    CHECK(coarse < 0.022);
+    CHECK(fine < 0.015);
 }
 
 TEST_CASE("a wall set in motion drags the fluid along as Couette flow starts up") {
@@ -195,8 +196,8 @@ TEST_CASE("the velocity between two layers under shear follows from their viscos
         if (p.z[i] < 0.5 * gap) slope += p.vx[i] * p.z[i], size += p.z[i] * p.z[i];
     const double found = slope / size * 0.5 * gap;
     INFO("interface at " << found << " m/s, exact " << at_interface);
-    // 2.3 % at 20 particles a layer, first order: pairs beyond the nearest meet the interface off
-    // middle
-    CHECK(found == Approx(at_interface).epsilon(0.025));
+    // 0.3 to 0.43 % at 20 particles a layer, first order: pairs beyond the nearest meet the interface
+    // off middle
+    CHECK(found == Approx(at_interface).epsilon(0.006));
     CHECK(l2_error(fluid, exact) < 0.01);
 }

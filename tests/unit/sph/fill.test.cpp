@@ -160,3 +160,9 @@ TEST_CASE("a fill starts with the velocity and the pressure that its formulas gi
                 Approx(100 * std::sin(p.x[i])).margin(1e-6));
     }
 }
+
+TEST_CASE("more particles than fit into memory are refused before the memory is asked for") {
+    Case c = scene();
+    c.sph.spacing = 0.125 / 1024;
+    CHECK_THROWS_WITH(fill_particles(c, laws(c)), Catch::Contains("GiB: use a spacing of"));
+}

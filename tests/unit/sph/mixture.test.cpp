@@ -217,8 +217,8 @@ TEST_CASE("images and dummies are of the fluid they stand for") {
         if (extra.from_body) continue;
         const Packed& image = near.records()[near.first_extra() + e];
         REQUIRE(FluidTag::of(image) == fluid.particles.fluid[extra.source]);
-        REQUIRE(near.viscosity()[near.first_extra() + e] ==
-                fluid.particles.viscosity[extra.source]);
+        REQUIRE(near.root_viscosity()[near.first_extra() + e] ==
+                std::sqrt(static_cast<float>(fluid.particles.viscosity[extra.source])));
     }
     const double g = 9.81;
     int checked = 0;

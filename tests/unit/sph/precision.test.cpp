@@ -43,6 +43,14 @@ const Scene all_scenes[] = {
          c.sph.viscosity_solver = ViscositySolver::explicit_sums;
      },
      1e-4},
+    {"strain form",
+     [](Case& c) {
+         no_slip(c);
+         c.sph.fluid[0].viscosity = 2;
+         c.sph.viscous_form = ViscousForm::strain;
+         c.sph.viscosity_solver = ViscositySolver::explicit_sums;
+     },
+     1e-4},
     {"two fluids, one viscoplastic",
      [](Case& c) {
          Fluid slide;

@@ -1,0 +1,97 @@
+#pragma once
+// What groups of batched elements have in common: storage per batch, masses, reference bounds.
+
+#include <algorithm>
+#include <vector>
+
+#include "fem_solver/elements/batches.hpp"
+#include "fem_solver/elements/element_law.hpp"
+
+namespace undertow::fem {
+
+/// What elements of a part share, from its material.
+ElementLaw make_law(const Part& part, const BulkViscosity& viscosity);
+/// Mass that gravity acts on over mass; exactly 1 where the two are alike.
+double weight_share(const Part& part);
+
+/// `Constants` has mass [kg] and omega2_reference [1/s2] in lanes, `State` what an element keeps.
+template <int n_corners, class Constants, class State>
+class BatchedGroup : public ElementGroup {
+ public:
+    BatchedGroup(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity)
+        : parts_(parts),
+          batches_(mesh, parts),
+          constants_(batches_.size()),
+          state_(batches_.size(), State{}),
+          omega2_(batches_.size()) {
+        bool any_plastic = false;
+        for (Part& part : parts_) {
+            law_.push_back(make_law(part, viscosity));
+            any_plastic |= is_plastic(part.material);
+            part.elements = {};
+        }
+        if (any_plastic) plastic_strain_.resize(batches_.size(), Lanes{});
+    }
+
+    std::size_t size() const override { return batches_.elements(); }
+    void add_nodal_masses(std::vector<double>& mass) const override {
+        batches_.add_masses(
+            mass, [&](std::size_t b) { return constants_[b].mass; }, [](int) { return 1.0; });
+    }
+    void add_nodal_weight_masses(std::vector<double>& mass) const override {
+        batches_.add_masses(
+            mass, [&](std::size_t b) { return constants_[b].mass; },
+            [&](int part) { return weight_share(parts_[part]); });
+    }
+    double omega2_start() const override { return omega2_start_; }
+    void accept_shape() override {
+        for (std::size_t b = 0; b < batches_.size(); ++b)
+            constants_[b].omega2_reference = omega2_[b];
+    }
+    ExtremeElement stiffest() const override { return batches_.largest(omega2_); }
+    void write_plastic_strain(std::span<double> strain) const override {
+        if (!plastic_strain_.empty())
+            batches_.for_each_element(
+                [&](std::size_t e, std::size_t b, int l) { strain[e] = plastic_strain_[b][l]; });
+    }
+    int colors() const { return batches_.colors(); }
+
+ protected:
+    /// Figures of an element that all kinds have alike; omega2 is its bound at the start.
+    void set_constants(std::size_t b, int lane, double mass, double omega2) {
+        constants_[b].mass[lane] = mass;
+        constants_[b].omega2_reference[lane] = omega2;
+        constants_[b].length[lane] = 2 * law_[batches_[b].part].sound_speed / std::sqrt(omega2);
+        omega2_[b][lane] = omega2;
+        omega2_start_ = std::max(omega2_start_, omega2);
+    }
+
+    std::vector<Part> parts_;  // without their element lists
+    std::vector<ElementLaw> law_;
+    Batches<n_corners> batches_;
+    std::vector<Constants> constants_;
+    std::vector<State> state_;
+    std::vector<Lanes> omega2_;          // [1/s2] of the last step
+    std::vector<Lanes> plastic_strain_;  // [n_batches], empty when no part can yield
+    double omega2_start_ = 0;
+};
+
+UNDERTOW_KERNEL void set_lane(Symmetric<Lanes>& s, int lane, const Symmetric<double>& value) {
+    s.xx[lane] = value.xx;
+    s.yy[lane] = value.yy;
+    s.zz[lane] = value.zz;
+    s.xy[lane] = value.xy;
+    s.yz[lane] = value.yz;
+    s.zx[lane] = value.zx;
+}
+/// row += share s of a lane; xx yy zz xy yz zx
+UNDERTOW_KERNEL void add_lane(const Symmetric<Lanes>& s, int lane, double share, double* row) {
+    row[0] += share * s.xx[lane];
+    row[1] += share * s.yy[lane];
+    row[2] += share * s.zz[lane];
+    row[3] += share * s.xy[lane];
+    row[4] += share * s.yz[lane];
+    row[5] += share * s.zx[lane];
+}
+
+}  // namespace undertow::fem
