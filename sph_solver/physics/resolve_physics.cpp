@@ -46,9 +46,8 @@ void refuse_in_double(const Case& input, const PairPhysics& p) {
     if (p.implicit_viscosity)
         throw InputError(fmt::format(
             "{}: sph.precision = \"double\" does not go together with the implicit viscous update "
-            "(sph.viscosity_solver, sph.viscous_form), which is solved in float only. Set "
-            "sph.viscosity_solver = \"explicit\" and sph.viscous_form = \"laplacian\", or "
-            "sph.precision = \"float\".",
+            "(sph.viscosity_solver), which is solved in float only. Set sph.viscosity_solver = "
+            "\"explicit\" or sph.precision = \"float\".",
             input.file));
 }
 
