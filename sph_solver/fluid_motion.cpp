@@ -8,17 +8,24 @@
 namespace undertow::sph {
 
 void FluidSystem::advance_density(double dt) {
+    neighbors_.exact().used ? advance_density_in<double>(dt) : advance_density_in<float>(dt);
+}
+
+/// Real: of the sums.
+template <class Real>
+void FluidSystem::advance_density_in(double dt) {
+    const Real* rate = particles.drho_dt.data<Real>();
     const bool heated = heated_;
     const int n = static_cast<int>(particles.size());
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
-        const double drho = dt * particles.drho_dt[i];
+        const double drho = dt * rate[i];
         if (heated)
             particles.energy[i] += fluid_of(i).compression_work(particles.p[i], particles.drho[i],
                                                                 particles.energy[i], drho);
         particles.drho[i] += drho;
         // a switch to one pass would start from this rate
-        particles.rate_before[i] = particles.drho_dt[i];
+        particles.rate_before[i] = rate[i];
     }
 }
 
@@ -41,6 +48,15 @@ void FluidSystem::constrain_ends(double t, double dt, double dt_before) {
 
 Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before_that,
                                    bool extrapolate) {
+    return neighbors_.exact().used
+               ? kick_and_drift_in<double>(dt, dt_before, dt_before_that, extrapolate)
+               : kick_and_drift_in<float>(dt, dt_before, dt_before_that, extrapolate);
+}
+
+/// Real: of the sums.
+template <class Real>
+Health FluidSystem::kick_and_drift_in(double dt, double dt_before, double dt_before_that,
+                                      bool extrapolate) {
     const double kick = 0.5 * (dt + dt_before);
     shear_rate_age_ += dt;
     // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
@@ -55,12 +71,14 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         relative[f] = rho0 / physics_.fluids[f].rho0;
     const int n = static_cast<int>(particles.size());
     Particles& s = particles;
+    const Real *sum_x = s.ax.data<Real>(), *sum_y = s.ay.data<Real>(), *sum_z = s.az.data<Real>(),
+               *sum_rate = s.drho_dt.data<Real>();
     double speed2 = 0, a2 = 0, compression = 0;
     int worst = -1;
 #pragma omp parallel for schedule(static) reduction(max : speed2, a2, compression, worst)
     for (int i = 0; i < n; ++i) {
-        const double ax = s.ax[i] + s.fx[i] + g[0], ay = s.ay[i] + s.fy[i] + g[1],
-                     az = s.az[i] + s.fz[i] + g[2];
+        const double ax = sum_x[i] + s.fx[i] + g[0], ay = sum_y[i] + s.fy[i] + g[1],
+                     az = sum_z[i] + s.fz[i] + g[2];
         s.vx[i] += kick * ax;
         s.vy[i] += kick * ay;
         s.vz[i] += kick * az;
@@ -69,7 +87,7 @@ Health FluidSystem::kick_and_drift(double dt, double dt_before, double dt_before
         s.z[i] += dt * s.vz[i];
         if (heated) s.energy[i] += dt * heating_[i];
         if (extrapolate) {
-            const double rate = s.drho_dt[i];
+            const double rate = sum_rate[i];
             const double drho = dt * (rate + w * (rate - s.rate_before[i]));
             if (heated)
                 s.energy[i] +=

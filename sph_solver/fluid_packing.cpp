@@ -66,11 +66,13 @@ void FluidSystem::pack_fluid() {
     if (sizes_.variable()) {
 #pragma omp for schedule(static)
         for (int i = 0; i < n; ++i)
-            neighbors_.smoothing()[i] = sizes_.now(i, s.fluid[i], s.drho[i]);
+            neighbors_.smoothing()[i] = sizes_.now<float>(i, s.fluid[i], s.drho[i]);
     }
+    if (neighbors_.exact().used) pack_fluid_exactly();
     if (s.viscosity.empty()) return;
 #pragma omp for schedule(static)
-    for (int i = 0; i < n; ++i) neighbors_.root_viscosity()[i] = std::sqrt(s.viscosity[i]);
+    for (int i = 0; i < n; ++i)
+        neighbors_.root_viscosity()[i] = std::sqrt(static_cast<float>(s.viscosity[i]));
 }
 
 /// Images show mirrored position and velocity and the hydrostatically continued pressure
@@ -97,7 +99,8 @@ void FluidSystem::pack_extras(bool of_bodies) {
         if (body != of_bodies) continue;
         const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
         if (viscous)
-            root_viscosity[e] = std::sqrt(body ? bodies.viscosity[s] : particles.viscosity[s]);
+            root_viscosity[e] = std::sqrt(
+                static_cast<float>(body ? bodies.viscosity[s] : particles.viscosity[s]));
         if (sizes_.variable() && !body)
             neighbors_.smoothing()[neighbors_.first_extra() + e] = neighbors_.smoothing()[s];
         const FixedReflection& mirror = fixed_reflections_[extras[e].mask];
@@ -116,31 +119,84 @@ void FluidSystem::pack_extras(bool of_bodies) {
                   slope[own][2] * static_cast<float>(q.z - from.z);
             continue;
         }
-        const double x = body ? bodies.x[s] : particles.x[s];
-        const double y = body ? bodies.y[s] : particles.y[s];
-        const double z = body ? bodies.z[s] : particles.z[s];
-        const double vx = body ? bodies.vx[s] : particles.vx[s];
-        const double vy = body ? bodies.vy[s] : particles.vy[s];
-        const double vz = body ? bodies.vz[s] : particles.vz[s];
-        const double p = body ? bodies.p[s] : particles.p[s];
-        const double drho = body ? 0 : particles.drho[s];
-        const FluidLaw& fluid = physics_.fluids[own];
-        const double gx = fluid.rho0 * g[0], gy = fluid.rho0 * g[1], gz = fluid.rho0 * g[2];
-        const Reflection& r = mirror_.reflection(extras[e].mask);
-        const double ix = r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0];
-        const double iy = r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1];
-        const double iz = r.m[2][0] * x + r.m[2][1] * y + r.m[2][2] * z + r.t[2];
+        const ExactRecord shown = shown_by(extras[e], physics_.fluids[own]);
         Packed& q = records[e];
-        q.x = fixed(ix, fixed.x0);
-        q.y = fixed(iy, fixed.y0);
-        q.z = fixed(iz, fixed.z0);
-        const double share = body ? bodies.share[s] : 1;
-        const double rest = body && sizes_.used() ? dummy_volume_ : fluid.volume;
-        q.volume = tag(share * fluid.rho0 * rest / (fluid.rho0 + drho), own);
-        q.vx = static_cast<float>(r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz);
-        q.vy = static_cast<float>(r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz);
-        q.vz = static_cast<float>(r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz);
-        q.p = static_cast<float>(p + gx * (ix - x) + gy * (iy - y) + gz * (iz - z));
+        q.x = fixed(shown.x, fixed.x0);
+        q.y = fixed(shown.y, fixed.y0);
+        q.z = fixed(shown.z, fixed.z0);
+        q.volume = tag(shown.volume, own);
+        q.vx = static_cast<float>(shown.vx);
+        q.vy = static_cast<float>(shown.vy);
+        q.vz = static_cast<float>(shown.vz);
+        q.p = static_cast<float>(shown.p);
+    }
+    if (neighbors_.exact().used) pack_extras_exactly(of_bodies);
+}
+
+/// Of an image or a dummy, before it is rounded to a record; no tag.
+ExactRecord FluidSystem::shown_by(const Extra& extra, const FluidLaw& fluid) const {
+    const int s = extra.source;
+    const bool body = extra.from_body;
+    const double x = body ? bodies.x[s] : particles.x[s];
+    const double y = body ? bodies.y[s] : particles.y[s];
+    const double z = body ? bodies.z[s] : particles.z[s];
+    const double vx = body ? bodies.vx[s] : particles.vx[s];
+    const double vy = body ? bodies.vy[s] : particles.vy[s];
+    const double vz = body ? bodies.vz[s] : particles.vz[s];
+    const double p = body ? bodies.p[s] : particles.p[s];
+    const double drho = body ? 0 : particles.drho[s];
+    const Vec3& g = physics_.gravity;
+    const double gx = fluid.rho0 * g[0], gy = fluid.rho0 * g[1], gz = fluid.rho0 * g[2];
+    const Reflection& r = mirror_.reflection(extra.mask);
+    ExactRecord q;
+    q.x = r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0];
+    q.y = r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1];
+    q.z = r.m[2][0] * x + r.m[2][1] * y + r.m[2][2] * z + r.t[2];
+    const double share = body ? bodies.share[s] : 1;
+    const double rest = body && sizes_.used() ? dummy_volume_ : fluid.volume;
+    q.volume = share * fluid.rho0 * rest / (fluid.rho0 + drho);
+    q.vx = r.m[0][0] * vx + r.m[0][1] * vy + r.m[0][2] * vz;
+    q.vy = r.m[1][0] * vx + r.m[1][1] * vy + r.m[1][2] * vz;
+    q.vz = r.m[2][0] * vx + r.m[2][1] * vy + r.m[2][2] * vz;
+    q.p = p + gx * (q.x - x) + gy * (q.y - y) + gz * (q.z - z);
+    return q;
+}
+
+/// As pack_fluid and pack_extras, for sums in double; by all threads of a parallel region as well.
+void FluidSystem::pack_fluid_exactly() {
+    const Particles& s = particles;
+    ExactShown& exact = neighbors_.exact();
+    const int n = static_cast<int>(s.size());
+#pragma omp for schedule(static)
+    for (int i = 0; i < n; ++i) {
+        const FluidLaw& fluid = fluid_of(i);
+        const double volume = fluid.rho0 * fluid.volume / (fluid.rho0 + s.drho[i]);
+        exact.records[i] = {s.x[i],  s.y[i],  s.z[i],  tag_.exact(volume, s.fluid[i]),
+                            s.vx[i], s.vy[i], s.vz[i], s.p[i]};
+        if (!s.viscosity.empty()) exact.root_viscosity[i] = std::sqrt(s.viscosity[i]);
+        if (sizes_.variable()) exact.smoothing[i] = sizes_.now<double>(i, s.fluid[i], s.drho[i]);
+    }
+}
+
+void FluidSystem::pack_extras_exactly(bool of_bodies) {
+    ExactShown& exact = neighbors_.exact();
+    const std::vector<Extra>& extras = neighbors_.extras();
+    const bool single = physics_.fluids.size() == 1;
+    const int n = static_cast<int>(extras.size()), first = neighbors_.first_extra();
+#pragma omp for schedule(static)
+    for (int e = 0; e < n; ++e) {
+        const Extra& extra = extras[e];
+        const int s = extra.source;
+        const bool body = extra.from_body;
+        if (body != of_bodies) continue;
+        const std::uint8_t own = single ? 0 : body ? bodies.fluid[s] : particles.fluid[s];
+        ExactRecord& q = exact.records[first + e];
+        q = shown_by(extra, physics_.fluids[own]);
+        q.volume = tag_.exact(q.volume, own);
+        if (!exact.root_viscosity.empty())
+            exact.root_viscosity[first + e] =
+                std::sqrt(body ? bodies.viscosity[s] : particles.viscosity[s]);
+        if (sizes_.variable() && !body) exact.smoothing[first + e] = exact.smoothing[s];
     }
 }
 

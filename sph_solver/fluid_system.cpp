@@ -79,6 +79,8 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
     if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
+    particles.set_precision(physics_.precision);
+    neighbors_.exact().used = physics_.precision == Precision::float64;
     start_.emplace(input, std::move(filled.first_id), largest_sound_speed());
     const std::size_t first_buffered = particles.size();
     openings_.fill(mirror_, domain_, particles);
@@ -96,7 +98,9 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
         particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);
         if (i < first_buffered) ++filled_[particles.fluid[i]];
         if (!particles.viscosity.empty())
-            particles.viscosity[i] = static_cast<float>(fluid_of(i).viscosity_at_rest());
+            particles.viscosity[i] = neighbors_.exact().used
+                                         ? fluid_of(i).viscosity_at_rest()
+                                         : static_cast<float>(fluid_of(i).viscosity_at_rest());
         for (int k = 0; k < mirror_.size(); ++k)
             if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < 0)
                 throw InputError(fmt::format(
@@ -116,6 +120,7 @@ void FluidSystem::sum_under_even_pressure() {
     refresh_neighbors(0);
     pack(0);
     for (Packed& q : neighbors_.records()) q.p = 1, q.vx = q.vy = q.vz = 0;
+    for (ExactRecord& q : neighbors_.exact().records) q.p = 1, q.vx = q.vy = q.vz = 0;
     undertow::sph::sum_over_neighbors(physics_, neighbors_, no_slip_, Terms::force, particles);
 }
 

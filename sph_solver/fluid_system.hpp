@@ -145,6 +145,13 @@ class FluidSystem {
  private:
     void pack_fluid();
     void pack_extras(bool of_bodies);
+    void pack_fluid_exactly();
+    void pack_extras_exactly(bool of_bodies);
+    ExactRecord shown_by(const Extra& extra, const FluidLaw& fluid) const;
+    template <class Real>
+    void advance_density_in(double dt);
+    template <class Real>
+    Health kick_and_drift_in(double dt, double dt_before, double dt_before_that, bool extrapolate);
     bool lists_hold();
     void find_near_planes();
     void put_back_behind_planes();
@@ -156,7 +163,7 @@ class FluidSystem {
     Vec3 gravity_;                  // [m/s2]
     FluidTag tag_;
     bool heated_;                   // some fluid has Gamma0 != 0
-    std::vector<float> heating_;    // by friction [W/kg]; only where heated
+    std::vector<double> heating_;   // by friction [W/kg]; only where heated
     std::vector<std::int64_t> filled_;
     double spacing_;
     double dummy_volume_;           // of a whole dummy of a body [m^d]

@@ -10,16 +10,18 @@ namespace undertow::sph {
 
 namespace {
 
-template <class KernelLaw>
+template <class Real, class KernelLaw>
 PointValue interpolate_with(const KernelLaw& kernel, const FluidSystem& fluid, const Vec3& point) {
     const Neighborhood& near = fluid.neighbors();
     const FixedPoint& fixed = near.fixed();
+    const bool exact = near.exact().used;
+    const double unit = near.unit_in<Real>();
+    const Vec3 origin = exact ? Vec3{} : Vec3{fixed.x0, fixed.y0, fixed.z0};
     PointValue value{0, 0};
     near.for_each_near(point[0], point[1], point[2], near.support() + fluid.reach(), [&](int j) {
-        const Packed& q = near.records()[j];
-        const double dx = fixed.x0 + q.x * fixed.unit - point[0],
-                     dy = fixed.y0 + q.y * fixed.unit - point[1],
-                     dz = fixed.z0 + q.z * fixed.unit - point[2];
+        const Record<Real>& q = near.records_in<Real>()[j];
+        const double dx = origin[0] + q.x * unit - point[0], dy = origin[1] + q.y * unit - point[1],
+                     dz = origin[2] + q.z * unit - point[2];
         double r = std::sqrt(dx * dx + dy * dy + dz * dz), w = q.volume;
         if (!near.smoothing().empty()) {   // W of the record's own length
             const double nearer = fluid.physics().h / near.smoothing()[j];
@@ -49,9 +51,12 @@ bool has_neighbor(const FluidSystem& fluid, std::size_t i) {
 }  // namespace
 
 PointValue interpolate(const FluidSystem& fluid, const Vec3& point) {
-    return with_kernel(
-        fluid.physics().kernel, fluid.physics().h, fluid.physics().dimension,
-        [&](const auto& kernel) { return interpolate_with(kernel, fluid, point); });
+    return with_kernel(fluid.physics().kernel, fluid.physics().h, fluid.physics().dimension,
+                       [&](const auto& kernel) {
+                           return fluid.neighbors().exact().used
+                                      ? interpolate_with<double>(kernel, fluid, point)
+                                      : interpolate_with<float>(kernel, fluid, point);
+                       });
 }
 
 double front_position(const FluidSystem& fluid, const Vec3& direction) {

@@ -173,6 +173,7 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.particles", static_cast<std::int64_t>(fluid.particles.size()));
     s.set("sph.removed", static_cast<std::int64_t>(fluid.removed().size()));
     s.set("sph.put_back_behind_walls", fluid.put_back());
+    s.set("sph.precision", fluid.physics().precision == Precision::float64 ? "double" : "float");
     s.set("sph.threads", static_cast<std::int64_t>(threads));
     s.set("sph.two_pass_share", f.steps ? double(f.two_pass_steps) / f.steps : 0);
     s.set("sph.particle_steps", f.particle_steps);

@@ -1,6 +1,7 @@
 #pragma once
-// Eight floats as one value: the lanes are the eight particles of a cluster. The same pair physics is
-// instantiated with float8 (fast), and with float and double (reference).
+// Eight floats or doubles as one value: the lanes are the eight particles of a cluster. The same
+// pair physics is instantiated with float8 (fast), double8 (sph.precision = "double"), and with
+// double (reference).
 
 #include <cmath>
 #include <cstdint>
@@ -12,7 +13,24 @@ namespace undertow::sph {
 
 inline constexpr int lanes = 8;
 typedef float float8 __attribute__((vector_size(32)));
+typedef double double8 __attribute__((vector_size(64)));
 typedef std::int32_t int8 __attribute__((vector_size(32)));
+
+/// Eight of a number, and eight positions: fixed-point for float, see FixedPoint.
+template <class Real>
+struct EightOf;
+template <>
+struct EightOf<float> {
+    using Number = float8;
+    using Place = int8;
+};
+template <>
+struct EightOf<double> {
+    using Number = double8;
+    using Place = double8;
+};
+template <class Real>
+using Eight = typename EightOf<Real>::Number;
 
 inline float square_root(float a) { return std::sqrt(a); }
 inline double square_root(double a) { return std::sqrt(a); }
@@ -40,6 +58,30 @@ inline float8 positive_part(float8 a) { return a > 0 ? a : float8{}; }
 inline float8 negative_part(float8 a) { return a < 0 ? a : float8{}; }
 #endif
 
+#if defined(__AVX512F__)
+// with a mask of all lanes: what g++ 12 has in the plain forms draws warnings
+inline double8 square_root(double8 a) {
+    return (double8)_mm512_maskz_sqrt_pd(0xff, (__m512d)a);
+}
+inline double8 positive_part(double8 a) {
+    return (double8)_mm512_maskz_max_pd(0xff, (__m512d)a, _mm512_setzero_pd());
+}
+inline double8 negative_part(double8 a) {
+    return (double8)_mm512_maskz_min_pd(0xff, (__m512d)a, _mm512_setzero_pd());
+}
+#else
+inline double8 square_root(double8 a) {
+    for (int k = 0; k < lanes; ++k) a[k] = std::sqrt(a[k]);
+    return a;
+}
+inline double8 positive_part(double8 a) {
+    return a > 0 ? a : double8{};
+}
+inline double8 negative_part(double8 a) {
+    return a < 0 ? a : double8{};
+}
+#endif
+
 /// 1/a to 14 bits where the processor has it: used in the artificial viscosity and in mean viscosities,
 /// where a relative error of 6e-5 is far below the term's own meaning.
 #if defined(__AVX512VL__)
@@ -47,6 +89,9 @@ inline float8 reciprocal(float8 a) { return (float8)_mm256_rcp14_ps((__m256)a); 
 #else
 inline float8 reciprocal(float8 a) { return 1.0f / a; }
 #endif
+inline double8 reciprocal(double8 a) {
+    return 1.0 / a;
+}
 
 /// 1/a to round-off, without the divider: the reciprocal and one step of Newton's method.
 #if defined(__AVX512VL__)
@@ -57,6 +102,9 @@ inline float8 precise_reciprocal(float8 a) {
 #else
 inline float8 precise_reciprocal(float8 a) { return 1.0f / a; }
 #endif
+inline double8 precise_reciprocal(double8 a) {
+    return 1.0 / a;
+}
 inline float precise_reciprocal(float a) { return 1 / a; }
 inline double precise_reciprocal(double a) { return 1 / a; }
 
@@ -66,7 +114,13 @@ inline float sum_of_lanes(float8 a) {
 
 /// Differences of fixed-point positions are exact in int32; only then they become floating point.
 inline float8 to_real(int8 a) { return __builtin_convertvector(a, float8); }
+inline double8 to_real(double8 a) {
+    return a;
+}
 inline float to_real(std::int32_t a, float) { return static_cast<float>(a); }
 inline double to_real(std::int32_t a, double) { return static_cast<double>(a); }
+inline double to_real(double a, double) {
+    return a;
+}
 
 }  // namespace undertow::sph

@@ -51,6 +51,7 @@ enum class Kernel { cubic_spline, wendland_c2, wendland_c4 };
 enum class TensionControl { none, spray, switched };
 enum class EquationOfState { us_up, tait };
 enum class Integrator { automatic, one_pass, two_pass };
+enum class Precision { float32, float64 };
 enum class FillLattice { square, relaxed };
 enum class Slip { free_slip, no_slip, friction };
 enum class ViscositySolver { automatic, explicit_sums, implicit };
@@ -197,6 +198,8 @@ struct SphSettings {
     TensionControl tension_control = TensionControl::spray;
     double shifting = 0;                 // strength K of particle shifting; 0 = off, typical 10
     bool gradient_correction = false;    // the density's rate is exact in a linear velocity field
+    Precision precision = Precision::float32;   // of sums over neighbors: "float", "double", see
+                                         // docs/theory.md; the state is double in both
     FillLattice lattice = FillLattice::square;   // "square", "relaxed": fitted to curved bodies
     bool surface_images = true;          // completes the kernel at the coupled surface
     Integrator integrator = Integrator::automatic;   // "auto", "one_pass", "two_pass"

@@ -50,6 +50,9 @@ const char* name(StiffnessLaw v) {
 const char* name(FrictionLaw v) {
     return v == FrictionLaw::coulomb ? "coulomb" : "viscous";
 }
+const char* name(Precision v) {
+    return v == Precision::float32 ? "float" : "double";
+}
 const char* name(Integrator v) {
     return v == Integrator::automatic  ? "auto"
            : v == Integrator::one_pass ? "one_pass"
@@ -195,6 +198,7 @@ void to_json(Json& j, const SphSettings& v) {
          {"tension_control", name(v.tension_control)},
          {"shifting", v.shifting},
          {"gradient_correction", v.gradient_correction},
+         {"precision", name(v.precision)},
          {"lattice", name(v.lattice)},
          {"surface_images", v.surface_images},
          {"integrator", name(v.integrator)},

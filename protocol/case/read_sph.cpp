@@ -113,6 +113,8 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                                   {{"none", TensionControl::none},
                                    {"spray", TensionControl::spray},
                                    {"switched", TensionControl::switched}});
+    reader.choice<Precision>("precision", sph.precision,
+                             {{"float", Precision::float32}, {"double", Precision::float64}});
     reader.choice<FillLattice>("lattice", sph.lattice,
                                {{"square", FillLattice::square}, {"relaxed", FillLattice::relaxed}});
     reader.flag("gradient_correction", sph.gradient_correction);

@@ -97,13 +97,13 @@ void AbsorbingLayers::damp(double dt, double kick, const Vec3& gravity, Particle
         Slow& s = slow_[p.id[i]];
         // v+ = (v + a kick + gamma kick v_target)/(1 + gamma kick): implicit, whatever gamma is
         const double share = 1 / (1 + l.waves * ramp * kick);
-        float* const a[3] = {&p.ax[i], &p.ay[i], &p.az[i]};
+        Summed* const a[3] = {&p.ax, &p.ay, &p.az};
         const double v[3] = {p.vx[i], p.vy[i], p.vz[i]}, f[3] = {p.fx[i], p.fy[i], p.fz[i]};
         for (int c = 0; kick > 0 && c < 3; ++c) {
-            const double free = v[c] + kick * (*a[c] + f[c] + gravity[c]);
+            const double free = v[c] + kick * ((*a[c])[i] + f[c] + gravity[c]);
             const double damped = l.target[c] + share * (free - l.target[c]);
             const double next = damp_what_is_quick(damped, s.v[c], l.sound * ramp, l.follow, kick);
-            *a[c] = static_cast<float>(*a[c] + (next - free) / kick);
+            a[c]->set(i, (*a[c])[i] + (next - free) / kick);
         }
         p.drho[i] = damp_what_is_quick(p.drho[i], s.drho, l.sound * ramp, l.follow, dt);
     }

@@ -109,7 +109,7 @@ Bodies make_bodies(const Case& input) {
     const std::size_t n = bodies.at_rest.size();
     for (auto* a : {&bodies.x, &bodies.y, &bodies.z, &bodies.vx, &bodies.vy, &bodies.vz, &bodies.p})
         a->resize(n, 0.0);
-    bodies.viscosity.resize(n, 0.0f);
+    bodies.viscosity.resize(n, 0.0);
     bodies.fluid.resize(n, 0);
     bodies.move_to(0);
     return bodies;

@@ -48,7 +48,7 @@ struct Bodies {
     std::vector<double> vx, vy, vz;   // what the pair loop sees [m/s], [dummies]
     std::vector<double> p;            // extrapolated pressure [Pa], [dummies]
     std::vector<double> share;        // of the lattice's cell that is solid, [dummies]
-    std::vector<float> viscosity;     // of the fluid next to it [Pa s], [dummies]
+    std::vector<double> viscosity;    // of the fluid next to it [Pa s], [dummies]
     std::vector<std::uint8_t> fluid;  // the fluid that is most of what is near, [dummies]
     std::vector<int> owner;           // its body, [dummies]
     std::vector<RigidBody> body;

@@ -37,20 +37,19 @@ void set(Bodies& bodies, int d, const Continued& sum) {
     if (sum.moving > 0) v = {sum.u[0] / sum.moving, sum.u[1] / sum.moving, sum.u[2] / sum.moving};
     bodies.vx[d] = v[0], bodies.vy[d] = v[1], bodies.vz[d] = v[2];
     bodies.p[d] = sum.weight > 0 ? std::max(0.0, sum.pressure / sum.weight) : 0;
-    bodies.viscosity[d] = static_cast<float>(sum.weight > 0 ? sum.viscosity / sum.weight : 0);
+    bodies.viscosity[d] = sum.weight > 0 ? sum.viscosity / sum.weight : 0;
     bodies.fluid[d] = static_cast<std::uint8_t>(
         std::max_element(sum.share, sum.share + FluidTag::most) - sum.share);
 }
 
-template <class KernelLaw>
+template <class Real, class KernelLaw>
 void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
                    const Neighborhood& neighbors, const MirrorPlanes& mirror,
                    const std::vector<Vec3>& reflected, Bodies& bodies) {
     const std::vector<int>& targets = neighbors.body_targets();
     const ClusterLists& lists = neighbors.body_lists();
-    const std::vector<Packed>& records = neighbors.records();
+    const std::vector<Record<Real>>& records = neighbors.records_in<Real>();
     const std::vector<Extra>& extras = neighbors.extras();
-    const FixedPoint& fixed = neighbors.fixed();
     const int fluid_count = neighbors.fluid_count();
     const bool sized = physics.sized();
     const bool viscous = physics.viscoplastic(), mixed = physics.mixed();
@@ -58,22 +57,19 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
 #pragma omp parallel for schedule(dynamic, 64)
     for (int k = 0; k < n; ++k) {
         const int d = targets[k];
-        const double px = (bodies.x[d] - fixed.x0) / fixed.unit,
-                     py = (bodies.y[d] - fixed.y0) / fixed.unit,
-                     pz = (bodies.z[d] - fixed.z0) / fixed.unit;
+        const Vec3 at_dummy{bodies.x[d], bodies.y[d], bodies.z[d]};
         const Vec3 a_w = bodies.body[bodies.owner[d]].pose().acceleration_at(
             {bodies.x[d], bodies.y[d], bodies.z[d]});
         const Vec3 g = physics.gravity - a_w;
         Continued sum;
         for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
             if (*at >= fluid_count && extras[*at - fluid_count].from_body) continue;
-            const Packed& q = records[*at];
-            const double dx = (px - q.x) * fixed.unit, dy = (py - q.y) * fixed.unit,
-                         dz = (pz - q.z) * fixed.unit;
+            const Record<Real>& q = records[*at];
+            const auto [dx, dy, dz] = neighbors.apart(at_dummy, q);
             const double r2 = dx * dx + dy * dy + dz * dz;
             // dummies have the size of sph.spacing
             const double nearer =
-                sized ? 2 * physics.h / (physics.h + neighbors.smoothing()[*at]) : 1;
+                sized ? 2 * physics.h / (physics.h + neighbors.smoothing_in<Real>()[*at]) : 1;
             if (r2 * nearer * nearer >= 4 * physics.h * physics.h) continue;
             // where sizes differ, a weight counts by volume
             const double w = kernel.value(nearer * std::sqrt(r2)) *
@@ -81,9 +77,10 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
             sum.weight += w;
             const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
             sum.share[own] += w;
-            if (viscous)
-                sum.viscosity +=
-                    w * neighbors.root_viscosity()[*at] * neighbors.root_viscosity()[*at];
+            if (viscous) {
+                const Real root_mu = neighbors.root_viscosity_in<Real>()[*at];
+                sum.viscosity += w * root_mu * root_mu;
+            }
             sum.pressure +=
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
             const Vec3 v = shown(*at, neighbors, mirror, reflected);
@@ -103,7 +100,10 @@ void continue_into_bodies(const PairPhysics& physics, const Neighborhood& neighb
                           const MirrorPlanes& mirror, const std::vector<Vec3>& reflected,
                           Bodies& bodies) {
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        continue_with(kernel, physics, neighbors, mirror, reflected, bodies);
+        if (neighbors.exact().used)
+            continue_with<double>(kernel, physics, neighbors, mirror, reflected, bodies);
+        else
+            continue_with<float>(kernel, physics, neighbors, mirror, reflected, bodies);
     });
 }
 

@@ -149,9 +149,9 @@ void NearWalls::add_stress(const PairPhysics& physics, const MirrorPlanes& mirro
         const LawOfTheWall law{fluid.rho0,
                                fluid.viscoplastic() ? fluid.rheology(u / height) : fluid.mu};
         const double deceleration = weight * law(u, height) / (law.rho * dx) / u;
-        particles.ax[i] -= static_cast<float>(deceleration * ux);
-        particles.ay[i] -= static_cast<float>(deceleration * uy);
-        particles.az[i] -= static_cast<float>(deceleration * uz);
+        particles.ax.add(i, -deceleration * ux);
+        particles.ay.add(i, -deceleration * uy);
+        particles.az.add(i, -deceleration * uz);
         Vec3& force = force_on(r, particles, stress_);
         force = force + fluid.mass * deceleration * Vec3{ux, uy, uz};
     }
@@ -184,9 +184,9 @@ void NearWalls::add_coulomb(const PairPhysics& physics, const Vec3& gravity,
         const double friction =
             std::min(mu * pressure * weight / (fluid.rho0 * dx), u / kick);
         const Vec3 a = (-friction / u) * slip;
-        s.ax[i] += static_cast<float>(a[0]);
-        s.ay[i] += static_cast<float>(a[1]);
-        s.az[i] += static_cast<float>(a[2]);
+        s.ax.add(i, a[0]);
+        s.ay.add(i, a[1]);
+        s.az.add(i, a[2]);
         Vec3& force = force_on(r, s, coulomb_);
         force = force - fluid.mass * a;
     }

@@ -27,7 +27,10 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
                            ViscousImage(mirror, extras[e].mask, true),
                            std::has_single_bit(held) ? std::countr_zero(held) : -1});
     }
-    change_.resize(images_.size());
+    if (neighbors.exact().used)
+        exact_change_.resize(images_.size());
+    else
+        change_.resize(images_.size());
     if (images_.empty()) return;
     const ClusterLists& lists = neighbors.fluid_lists();
     begin_.assign(1, 0);
@@ -39,21 +42,30 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
 }
 
 void NoSlipImages::pack(const Neighborhood& neighbors, const MirrorPlanes& mirror) {
-    const Packed* records = neighbors.records().data();
+    if (neighbors.exact().used)
+        pack_as<double>(neighbors, mirror, exact_change_);
+    else
+        pack_as<float>(neighbors, mirror, change_);
+}
+
+template <class Real>
+void NoSlipImages::pack_as(const Neighborhood& neighbors, const MirrorPlanes& mirror,
+                           std::vector<Change<Real>>& change) const {
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const int n = static_cast<int>(images_.size());
 #pragma omp parallel for schedule(static) if (n > 4096)
     for (int k = 0; k < n; ++k) {
         const Image& image = images_[k];
-        const Packed &from = records[image.source], &free = records[image.record];
+        const Record<Real>&from = records[image.source], &free = records[image.record];
         const auto& m = mirror.reflection(image.shown.mirrored).m;
-        const float v[3] = {from.vx, from.vy, from.vz};
-        float shown[3];
+        const Real v[3] = {from.vx, from.vy, from.vz};
+        Real shown[3];
         for (int a = 0; a < 3; ++a)
-            shown[a] =
-                image.shown.wall[a] + image.shown.sign * (static_cast<float>(m[a][0]) * v[0] +
-                                                          static_cast<float>(m[a][1]) * v[1] +
-                                                          static_cast<float>(m[a][2]) * v[2]);
-        change_[k] = {shown[0] - free.vx, shown[1] - free.vy, shown[2] - free.vz};
+            shown[a] = static_cast<Real>(image.shown.wall[a]) +
+                       image.shown.sign *
+                           (static_cast<Real>(m[a][0]) * v[0] + static_cast<Real>(m[a][1]) * v[1] +
+                            static_cast<Real>(m[a][2]) * v[2]);
+        change[k] = {shown[0] - free.vx, shown[1] - free.vy, shown[2] - free.vz};
     }
 }
 
@@ -74,7 +86,8 @@ void NoSlipImages::take_wall_viscosity(const std::vector<FluidLaw>& fluids,
         const double across = u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
         for (int a = 0; a < 3; ++a) u[a] -= across * n[a];
         const double rate = std::hypot(u[0], u[1], u[2]) / std::max(z, 0.25 * spacing);
-        s.viscosity[i] = fluid.rheology(static_cast<float>(rate));
+        s.viscosity[i] =
+            s.ax.in_double() ? fluid.rheology(rate) : fluid.rheology(static_cast<float>(rate));
     }
 }
 

@@ -8,6 +8,7 @@
 // So records keep the free-slip motion, and what v' differs from it is added here, for those images
 // only.
 
+#include <type_traits>
 #include <vector>
 
 #include "sph_solver/boundary/mirror_planes.hpp"
@@ -19,7 +20,7 @@ namespace undertow::sph {
 
 /// v' = sign R(mirrored) v + wall, with R the reflection at the planes that let the fluid slip.
 struct ViscousImage {
-    float wall[3];  // [m/s]
+    double wall[3];  // [m/s]
     float sign;     // -1 behind a no-slip plane, 1 in the corner of two
     PlaneMask mirrored;
 
@@ -33,7 +34,7 @@ struct ViscousImage {
             sign = -sign;
             mirrored &= ~(PlaneMask(1) << k);
         }
-        for (int a = 0; a < 3; ++a) wall[a] = static_cast<float>(c[a]);
+        for (int a = 0; a < 3; ++a) wall[a] = c[a];
     }
 };
 
@@ -58,10 +59,18 @@ class NoSlipImages {
     };
     const Listed* begin(int cluster) const { return listed_.data() + begin_[cluster]; }
     const Listed* end(int cluster) const { return listed_.data() + begin_[cluster + 1]; }
+    template <class Real>
     struct Change {
-        float x, y, z;  // v' minus the record's velocity [m/s]
+        Real x, y, z;  // v' minus the record's velocity [m/s]
     };
-    const Change& change(int image) const { return change_[image]; }
+    /// Real: the precision of the sums.
+    template <class Real>
+    const Change<Real>& change(int image) const {
+        if constexpr (std::is_same_v<Real, float>)
+            return change_[image];
+        else
+            return exact_change_[image];
+    }
 
  private:
     struct Image {
@@ -70,7 +79,11 @@ class NoSlipImages {
         int plane;  // the no-slip plane, -1 in the corner of two
     };
     std::vector<Image> images_;
-    std::vector<Change> change_;  // [images]
+    template <class Real>
+    void pack_as(const Neighborhood& neighbors, const MirrorPlanes& mirror,
+                 std::vector<Change<Real>>& change) const;
+    std::vector<Change<float>> change_;         // [images], of sums in float
+    std::vector<Change<double>> exact_change_;  // of sums in double
     std::vector<int> image_of_;   // [extras], -1 = none
     std::vector<int> begin_;      // [clusters + 1]
     std::vector<Listed> listed_;

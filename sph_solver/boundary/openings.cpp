@@ -305,12 +305,17 @@ bool Openings::look_inside(const PairPhysics& physics, const Neighborhood& neigh
     const FixedPoint& fixed = neighbors.fixed();
     const bool mixed = physics.mixed();
     double weight = 0, pressure = 0, v[3] = {0, 0, 0};
-    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+    const auto from = [&](const auto& q) -> Vec3 {
+        if constexpr (std::is_same_v<std::decay_t<decltype(q)>, ExactRecord>)
+            return {at[0] - q.x, at[1] - q.y, at[2] - q.z};
+        else
+            return {at[0] - fixed.x0 - q.x * fixed.unit, at[1] - fixed.y0 - q.y * fixed.unit,
+                    at[2] - fixed.z0 - q.z * fixed.unit};
+    };
+    const auto look_with = [&](const auto& kernel, const auto& records) {
         for (std::size_t k = first; k < last; ++k) {
-            const Packed& q = neighbors.records()[near_[k]];
-            const double d[3] = {at[0] - fixed.x0 - q.x * fixed.unit,
-                                 at[1] - fixed.y0 - q.y * fixed.unit,
-                                 at[2] - fixed.z0 - q.z * fixed.unit};
+            const auto& q = records[near_[k]];
+            const Vec3 d = from(q);
             const double w =
                 q.volume * kernel.value(std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
             const double rho0 = physics.fluids[mixed ? FluidTag::of(q) : 0].rho0;
@@ -319,6 +324,12 @@ bool Openings::look_inside(const PairPhysics& physics, const Neighborhood& neigh
                 w * (q.p + rho0 * (gravity_[0] * d[0] + gravity_[1] * d[1] + gravity_[2] * d[2]));
             v[0] += w * q.vx, v[1] += w * q.vy, v[2] += w * q.vz;
         }
+    };
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        if (neighbors.exact().used)
+            look_with(kernel, neighbors.exact().records);
+        else
+            look_with(kernel, neighbors.records());
     });
     const int i = m.index;
     if (weight < dry) {
@@ -368,8 +379,12 @@ void Openings::extrapolate(const PairPhysics& physics, FluidTag tag, Neighborhoo
         p.drho[i] = fluid.deviation_at(pressure);
         p.p[i] = fluid.pressure(p.drho[i], p.energy[i]);
         Packed& q = neighbors.records()[i];
+        const double volume = fluid.rho0 * fluid.volume / (fluid.rho0 + p.drho[i]);
         q.p = static_cast<float>(p.p[i]);
-        q.volume = tag(fluid.rho0 * fluid.volume / (fluid.rho0 + p.drho[i]), p.fluid[i]);
+        q.volume = tag(volume, p.fluid[i]);
+        if (!neighbors.exact().used) continue;
+        ExactRecord& exact = neighbors.exact().records[i];
+        exact.p = p.p[i], exact.volume = tag.exact(volume, p.fluid[i]);
     }
 }
 
@@ -395,10 +410,9 @@ void Openings::prescribe(double t, double dt, double kick, const Vec3& gravity,
             m.u_ref += share * (m.u_inside - m.u_ref);
             m.p_ref += share * (m.p_inside - m.p_ref);  // given anew where the case gives it
         }
-        float* const a[3] = {&p.ax[i], &p.ay[i], &p.az[i]};
+        Summed* const a[3] = {&p.ax, &p.ay, &p.az};
         const double v[3] = {p.vx[i], p.vy[i], p.vz[i]}, f[3] = {p.fx[i], p.fy[i], p.fz[i]};
-        for (int c = 0; c < 3; ++c)
-            *a[c] = static_cast<float>((m.next[c] - v[c]) / kick - f[c] - gravity[c]);
+        for (int c = 0; c < 3; ++c) a[c]->set(i, (m.next[c] - v[c]) / kick - f[c] - gravity[c]);
     }
 }
 

@@ -306,15 +306,18 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
     const std::vector<Packed>& records = neighbors.records();
     const double h = physics.h, inverse_h = 1 / h, scale = kernel.scale() / physics.lattice_moment;
     // of the records: the sums have found the next ones already
-    const std::vector<float>& root_mu = neighbors.root_viscosity();
-    const bool variable = !root_mu.empty();
+    const ExactShown& exact = neighbors.exact();
+    const bool variable = !neighbors.root_viscosity().empty();
+    const auto root_mu = [&](int j) {
+        return exact.used ? exact.root_viscosity[j] : double(neighbors.root_viscosity()[j]);
+    };
     const double per_moment = physics.implicit_viscosity ? 0 : 2;
     const bool strain = physics.explicit_form() == ViscousForm::strain;
     for (Near& k : near_) {
         const FluidLaw& fluid = physics.fluids[p.fluid[k.particle]];
         k.mass = fluid.rho0 * fluid.volume;
         k.per_mass = 1 / k.mass;
-        k.volume = records[k.particle].volume;
+        k.volume = exact.used ? exact.records[k.particle].volume : records[k.particle].volume;
         k.density = k.mass / k.volume;
     }
     // [a][b] for the fluids a of i and b of j
@@ -342,7 +345,10 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         const bool mirrored = pair.record >= 0;
         const double* n = pair.n;
         double d[3] = {p.x[a] - p.x[b], p.y[a] - p.y[b], p.z[a] - p.z[b]};
-        if (mirrored) {
+        if (mirrored && exact.used) {
+            const ExactRecord& q = exact.records[pair.record];
+            d[0] = p.x[a] - q.x, d[1] = p.y[a] - q.y, d[2] = p.z[a] - q.z;
+        } else if (mirrored) {
             const Packed& q = records[pair.record];
             d[0] = p.x[a] - fixed.x0 - q.x * fixed.unit;
             d[1] = p.y[a] - fixed.y0 - q.y * fixed.unit;
@@ -353,7 +359,10 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
         if (r2 >= 4 * h * h) return;
         const double v_a[3] = {p.vx[a], p.vy[a], p.vz[a]};
         double v[3] = {p.vx[a] - p.vx[b], p.vy[a] - p.vy[b], p.vz[a] - p.vz[b]};
-        if (mirrored) {
+        if (mirrored && exact.used) {
+            const ExactRecord& q = exact.records[pair.record];
+            v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
+        } else if (mirrored) {
             const Packed& q = records[pair.record];
             v[0] = p.vx[a] - q.vx, v[1] = p.vy[a] - q.vy, v[2] = p.vz[a] - q.vz;
         }
@@ -370,7 +379,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
                      level = F * diffusive[of_a][of_b] * (p.p[b] - p.p[a] + dot(weight[of_a], d));
         const double viscous = approach < 0 ? -shock[of_a][of_b] * approach / r2 : 0;
         const double pair_mu =
-            variable ? mean_viscosity(of_a == of_b ? 1.0 : 0.0, double(root_mu[a]), double(root_mu[b]))
+            variable ? mean_viscosity(of_a == of_b ? 1.0 : 0.0, root_mu(a), root_mu(b))
                      : mu[of_a][of_b];
         double laminar = per_moment * pair_mu * F, stress = 0;
         if (strain) {   // along x_ij', as a pressure
@@ -426,11 +435,11 @@ void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbor
     with_kernel(physics.kernel, physics.h, physics.dimension, sum);
     for (const Near& k : near_) {
         const int i = k.particle;
-        if (terms != Terms::force) particles.drho_dt[i] += static_cast<float>(k.rate);
+        if (terms != Terms::force) particles.drho_dt.add(i, k.rate);
         if (terms == Terms::rate) continue;
-        particles.ax[i] += static_cast<float>(k.a[0]);
-        particles.ay[i] += static_cast<float>(k.a[1]);
-        particles.az[i] += static_cast<float>(k.a[2]);
+        particles.ax.add(i, k.a[0]);
+        particles.ay.add(i, k.a[1]);
+        particles.az.add(i, k.a[2]);
     }
 }
 

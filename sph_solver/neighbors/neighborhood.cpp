@@ -83,8 +83,8 @@ void Neighborhood::sort(Particles& particles) {
         reorder(particles.id, scratch_id_);
         reorder(particles.fluid, scratch_byte_);
         if (viscous) {
-            reorder(particles.viscosity, scratch_float_);
-            reorder(particles.shear_rate, scratch_float_);
+            reorder(particles.viscosity, scratch_);
+            reorder(particles.shear_rate, scratch_);
         }
     }
 }
@@ -131,6 +131,10 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
 
     records_.resize(fluid_count_ + extras_.size());
     if (!particles.viscosity.empty()) root_viscosity_.resize(records_.size());
+    if (exact_.used) {
+        exact_.records.resize(records_.size());
+        if (!particles.viscosity.empty()) exact_.root_viscosity.resize(records_.size());
+    }
     const auto pack = [&](Packed& q, double x, double y, double z) {
         q.x = fixed_(x, fixed_.x0), q.y = fixed_(y, fixed_.y0), q.z = fixed_(z, fixed_.z0);
     };
@@ -147,13 +151,15 @@ void Neighborhood::find_smoothing(const Particles& particles, const SmoothingLen
     const float room = sizes.variable() ? static_cast<float>(SmoothingLengths::room) : 1.0f;
     smoothing_.resize(n);
     listed_.resize(n);
+    if (exact_.used) exact_.smoothing.resize(n);
 #pragma omp parallel for schedule(static)
     for (int j = 0; j < n; ++j) {
         const Extra* e = j < fluid_count_ ? nullptr : &extras_[j - fluid_count_];
         const int i = e ? e->source : j;
-        smoothing_[j] = static_cast<float>(e && e->from_body
-                                               ? sizes.of_dummies()
-                                               : sizes.of(particles.fluid[i], particles.drho[i]));
+        const double h = e && e->from_body ? sizes.of_dummies()
+                                           : sizes.of(particles.fluid[i], particles.drho[i]);
+        smoothing_[j] = static_cast<float>(h);
+        if (exact_.used) exact_.smoothing[j] = h;
         listed_[j] = smoothing_[j] * room;
     }
 }

@@ -2,6 +2,7 @@
 // Everything the pair loop walks over: packed records of the fluid, then of bodies and mirror images
 // ("extras"), and the cluster lists over them. Rebuilt when a pair may be missing, see DriftWatch.
 
+#include <type_traits>
 #include <vector>
 
 #include "sph_solver/boundary/mirror_planes.hpp"
@@ -12,6 +13,16 @@
 #include "sph_solver/particles.hpp"
 
 namespace undertow::sph {
+
+/// What sums over neighbors in double precision read in place of the float arrays of the same
+/// names.
+struct ExactShown {
+    bool used = false;                 // sph.precision = "double"; else all are empty
+    std::vector<ExactRecord> records;  // [records]
+    std::vector<double> root_viscosity;  // [sqrt(Pa s)], [records]
+    std::vector<double> smoothing;     // [m], [records]
+    std::vector<double> gradient_correction;
+};
 
 /// A record beyond the fluid: a body's dummy, or the image of a particle or of a dummy.
 struct Extra {
@@ -92,6 +103,53 @@ class Neighborhood {
     const std::vector<float>& gradient_correction() const { return gradient_correction_; }
     int first_extra() const { return fluid_count_; }
 
+    /// The records' twins in double, packed next to them where `used`.
+    ExactShown& exact() { return exact_; }
+    const ExactShown& exact() const { return exact_; }
+    /// What sums in a precision read.
+    template <class Real>
+    const std::vector<Record<Real>>& records_in() const {
+        if constexpr (std::is_same_v<Real, float>)
+            return records_;
+        else
+            return exact_.records;
+    }
+    template <class Real>
+    const std::vector<Real>& root_viscosity_in() const {
+        if constexpr (std::is_same_v<Real, float>)
+            return root_viscosity_;
+        else
+            return exact_.root_viscosity;
+    }
+    template <class Real>
+    const std::vector<Real>& smoothing_in() const {
+        if constexpr (std::is_same_v<Real, float>)
+            return smoothing_;
+        else
+            return exact_.smoothing;
+    }
+    template <class Real>
+    const std::vector<Real>& gradient_correction_in() const {
+        if constexpr (std::is_same_v<Real, float>)
+            return gradient_correction_;
+        else
+            return exact_.gradient_correction;
+    }
+    /// Unit of the positions in records_in<Real>() [m].
+    template <class Real>
+    double unit_in() const {
+        return std::is_same_v<Real, float> ? fixed_.unit : 1;
+    }
+    /// x of a point [m] minus that of a record  [m]
+    Vec3 apart(const Vec3& at, const Packed& q) const {
+        return {((at[0] - fixed_.x0) / fixed_.unit - q.x) * fixed_.unit,
+                ((at[1] - fixed_.y0) / fixed_.unit - q.y) * fixed_.unit,
+                ((at[2] - fixed_.z0) / fixed_.unit - q.z) * fixed_.unit};
+    }
+    static Vec3 apart(const Vec3& at, const ExactRecord& q) {
+        return {at[0] - q.x, at[1] - q.y, at[2] - q.z};
+    }
+
     /// Calls f(record index) for every record whose cell is within `range` of the point.
     template <class F>
     void for_each_near(double x, double y, double z, double range, F&& f) const {
@@ -128,6 +186,7 @@ class Neighborhood {
     std::vector<int> fluid_start_, extra_start_, order_, body_targets_;
     std::vector<std::int64_t> cell_;
     std::vector<double> scratch_;
+    ExactShown exact_;
     std::vector<std::int64_t> scratch_id_;
     std::vector<std::uint8_t> scratch_byte_;
     std::vector<PlaneMask> masks_;
@@ -137,7 +196,7 @@ class Neighborhood {
     };
     std::vector<ClusterFluids> fluids_;        // [clusters]
     std::vector<FluidBits> record_fluid_;      // one bit, none for a dummy, [records]
-    std::vector<float> root_viscosity_, scratch_float_;
+    std::vector<float> root_viscosity_;
     std::vector<float> smoothing_, listed_;    // listed_: as lists were made for [m]
     std::vector<Depth> depth_;
     std::vector<float> gradient_correction_;

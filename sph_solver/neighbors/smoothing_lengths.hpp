@@ -50,8 +50,9 @@ class SmoothingLengths {
     /// After a rebuild: cuts lengths of the crowded, and remembers up to where all may grow.
     void cap(Neighborhood& neighbors);
     /// Of particle i (sorted index) at its present density, as far as the lists reach.  [m]
-    float now(std::size_t i, std::uint8_t fluid, double drho) {
-        const auto h = static_cast<float>(of(fluid, drho));
+    template <class Real>
+    Real now(std::size_t i, std::uint8_t fluid, double drho) {
+        const auto h = static_cast<Real>(of(fluid, drho));
         if (h <= ceiling_[i]) return h;
         if (!capped_[i]) {
 #pragma omp atomic write

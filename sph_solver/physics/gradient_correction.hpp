@@ -12,13 +12,15 @@
 
 namespace undertow::sph {
 
-/// Fills neighbors.gradient_correction() from the packed records; after a rebuild.
+/// Fills neighbors.gradient_correction() (or exact()'s) from the packed records; after a rebuild.
 void find_gradient_correction(const PairPhysics& physics, Neighborhood& neighbors);
 
 /// M^-1 of a cluster's eight.
-inline Symmetric<float8> correction_of(const Neighborhood& neighbors, int cluster) {
-    Symmetric<float8> m;
-    __builtin_memcpy(static_cast<void*>(&m), &neighbors.gradient_correction()[std::size_t(cluster) * 6 * lanes],
+template <class Real>
+Symmetric<Eight<Real>> correction_of(const Neighborhood& neighbors, int cluster) {
+    Symmetric<Eight<Real>> m;
+    __builtin_memcpy(static_cast<void*>(&m),
+                     &neighbors.gradient_correction_in<Real>()[std::size_t(cluster) * 6 * lanes],
                      sizeof m);
     return m;
 }

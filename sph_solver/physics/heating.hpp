@@ -13,6 +13,6 @@ namespace undertow::sph {
 /// [n padded] [Monaghan 2005, Eq. 2.35]  What compression does, p d(rho)/rho^2, comes with the
 /// density.
 void dissipation(const PairPhysics& physics, const Neighborhood& neighbors,
-                 std::vector<float>& heating);
+                 std::vector<double>& heating);
 
 }  // namespace undertow::sph

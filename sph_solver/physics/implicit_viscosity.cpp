@@ -127,9 +127,9 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
             total[c] = b.a[c] + per * (double(left[c]) - b.left[c]);
             b.left[c] = left[c];
         }
-        s.ax[i] = float(total[0] - s.fx[i] - g[0]);
-        s.ay[i] = float(total[1] - s.fy[i] - g[1]);
-        s.az[i] = float(total[2] - s.fz[i] - g[2]);
+        s.ax.set(i, total[0] - s.fx[i] - g[0]);
+        s.ay.set(i, total[1] - s.fy[i] - g[1]);
+        s.az.set(i, total[2] - s.fz[i] - g[2]);
     }
 }
 

@@ -10,16 +10,18 @@
 
 namespace undertow::sph {
 
+template <class Real>
 struct Lanes {
-    int8 x, y, z;
-    Own<float8> own;
-    float8 volume;
+    typename EightOf<Real>::Place x, y, z;
+    Own<Eight<Real>> own;
+    Eight<Real> volume;
 };
 
-inline Lanes load_cluster(const Packed* records, int first, int last) {
-    Lanes c;
+template <class AnyRecord>
+inline Lanes<typename AnyRecord::Real> load_cluster(const AnyRecord* records, int first, int last) {
+    Lanes<typename AnyRecord::Real> c;
     for (int k = 0; k < lanes; ++k) {
-        const Packed& q = records[std::min(first + k, last - 1)];
+        const AnyRecord& q = records[std::min(first + k, last - 1)];
         c.x[k] = q.x, c.y[k] = q.y, c.z[k] = q.z;
         c.own.vx[k] = q.vx, c.own.vy[k] = q.vy, c.own.vz[k] = q.vz;
         c.own.p[k] = q.p, c.volume[k] = q.volume;
@@ -32,8 +34,9 @@ inline Lanes load_cluster(const Packed* records, int first, int last) {
 /// the same gradient, without the pull that makes particles clump.  [Sun, Colagrossi, Marrone, Antuono,
 /// Zhang 2018, Eq. 14]  The two forces of such a pair are not opposite: what is left is
 /// -2 p_i V_i sum_j V_j grad W_ij, zero where neighbors are evenly spread.
+template <class Wide>
 inline void switch_tension(const PairPhysics& physics, const Neighborhood& neighbors, int first,
-                           Own<float8>& own) {
+                           Own<Wide>& own) {
     if (physics.tension_control != TensionControl::switched) return;
     for (int k = 0; k < lanes; ++k)
         if (neighbors.depth()[first + k] == Depth::inside)
@@ -41,14 +44,18 @@ inline void switch_tension(const PairPhysics& physics, const Neighborhood& neigh
 }
 
 /// What the lanes of a cluster look up in a Mixture.
+template <class Real>
 struct MixedLanes {
-    Factors<float, float8> factors;
-    Meeting<float8> with[FluidTag::most];  // by the fluid of j
+    Factors<Real, Eight<Real>> factors;
+    Meeting<Eight<Real>> with[FluidTag::most];  // by the fluid of j
 };
 
-/// root_mu: of the records, or null where viscosities are constant. tagged: records name their fluids.
-inline void look_up(const Mixture<float>& mixture, const Packed* records, const float* root_mu,
-                    int first, int last, Own<float8>& own, MixedLanes& m, bool tagged = true) {
+/// root_mu: of the records, or null where viscosities are constant. tagged: records name their
+/// fluids.
+template <class Real>
+inline void look_up(const Mixture<Real>& mixture, const Record<Real>* records, const Real* root_mu,
+                    int first, int last, Own<Eight<Real>>& own, MixedLanes<Real>& m,
+                    bool tagged = true) {
     m.factors.gradient = mixture.gradient, m.factors.viscous = mixture.viscous;
     for (int k = 0; k < lanes; ++k) {
         const int i = std::min(first + k, last - 1);
@@ -58,7 +65,7 @@ inline void look_up(const Mixture<float>& mixture, const Packed* records, const 
         m.factors.diffusive[k] = mixture.diffusive[fluid];
         m.factors.per_mass[k] = mixture.per_mass[fluid];
         for (int b = 0; b < mixture.fluids; ++b) {
-            const Meeting<float>& meeting = mixture.meeting[fluid][b];
+            const Meeting<Real>& meeting = mixture.meeting[fluid][b];
             m.with[b].same[k] = meeting.same;
             m.with[b].shock[k] = meeting.shock;
             m.with[b].mu[k] = meeting.mu;
@@ -67,34 +74,38 @@ inline void look_up(const Mixture<float>& mixture, const Packed* records, const 
 }
 
 /// Smoothing lengths of the lanes, to meet those of the records.
+template <class Real>
 class OwnSize {
  public:
     /// smoothing: [m] of the records, or null where no size is asked for.
-    OwnSize(const PairPhysics& physics, const std::vector<float>* smoothing, int first, int last)
-        : flat_(physics.dimension == 2), per_length_(static_cast<float>(0.5 / physics.h)) {
+    OwnSize(const PairPhysics& physics, const std::vector<Real>* smoothing, int first, int last)
+        : flat_(physics.dimension == 2), per_length_(static_cast<Real>(0.5 / physics.h)) {
         if (!smoothing) return;
         of_ = smoothing->data();
         for (int k = 0; k < lanes; ++k) own_[k] = of_[std::min(first + k, last - 1)] * per_length_;
     }
-    PairSize<float8> with(int record) const { return {own_, of_[record] * per_length_, flat_}; }
+    PairSize<Eight<Real>> with(int record) const {
+        return {own_, of_[record] * per_length_, flat_};
+    }
 
  private:
     bool flat_;
-    float per_length_;  // 1/(2 h0) [1/m]
-    const float* of_ = nullptr;
-    float8 own_{};
+    Real per_length_;  // 1/(2 h0) [1/m]
+    const Real* of_ = nullptr;
+    Eight<Real> own_{};
 };
 
 /// What an image behind a no-slip plane adds to viscous forces and shear rate, see no_slip_images.hpp.
-template <class KernelLaw, Content content, ViscousForm form, class Change>
-inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
-                              const Change& v, const Packed& j,
-                              const Meeting<float8>* with, float root_mu_j, PairSums<float8>& sum,
-                              ShearSums<float8>* shear = nullptr) {
-    const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-    const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
-    const float8 F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
-    float8 FV = F;
+template <class KernelLaw, Content content, ViscousForm form, class Real, class Change>
+inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i, const Change& v,
+                              const Record<Real>& j, const Meeting<Eight<Real>>* with,
+                              Real root_mu_j, PairSums<Eight<Real>>& sum,
+                              ShearSums<Eight<Real>>* shear = nullptr) {
+    using Wide = Eight<Real>;
+    const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+    const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
+    const Wide F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
+    Wide FV = F;
     if constexpr (content == Content::several)
         FV *= with[FluidTag::of(j)].mu;
     else if constexpr (variable_viscosity(content) && alone(content))
@@ -102,29 +113,30 @@ inline void add_no_slip_image(const PairConstants<float>& c, const Lanes& i,
     else if constexpr (variable_viscosity(content))
         FV *= mean_viscosity(with[FluidTag::of(j)].same, i.own.root_mu, root_mu_j);
     if constexpr (form == ViscousForm::strain) {
-        const float8 approach = v.x * dx + v.y * dy + v.z * dz;
-        const float8 FP = FV * approach * positive_part(c.near * reciprocal(r2) + c.far);
+        const Wide approach = v.x * dx + v.y * dy + v.z * dz;
+        const Wide FP = FV * approach * positive_part(c.near * reciprocal(r2) + c.far);
         sum.ax += FP * dx, sum.ay += FP * dy, sum.az += FP * dz;
     } else {
         sum.lx -= FV * v.x, sum.ly -= FV * v.y, sum.lz -= FV * v.z;
     }
     if constexpr (finds_shear_rate(content)) {
-        const float8 Fx = F * dx, Fy = F * dy, Fz = F * dz;
+        const Wide Fx = F * dx, Fy = F * dy, Fz = F * dz;
         shear->vxx -= v.x * Fx, shear->vxy -= v.x * Fy, shear->vxz -= v.x * Fz;
         shear->vyx -= v.y * Fx, shear->vyy -= v.y * Fy, shear->vyz -= v.y * Fz;
         shear->vzx -= v.z * Fx, shear->vzy -= v.z * Fy, shear->vzz -= v.z * Fz;
     }
 }
 
-template <class KernelLaw, Content content, ViscousForm form>
-inline void add_no_slip(const PairConstants<float>& c, const Lanes& i, const NoSlipImages& no_slip,
-                        const Packed* records, int cluster, const Meeting<float8>* with,
-                        const float* root_mu, PairSums<float8>& sum,
-                        ShearSums<float8>* shear = nullptr) {
+template <class KernelLaw, Content content, ViscousForm form, class Real>
+inline void add_no_slip(const PairConstants<Real>& c, const Lanes<Real>& i,
+                        const NoSlipImages& no_slip, const Record<Real>* records, int cluster,
+                        const Meeting<Eight<Real>>* with, const Real* root_mu,
+                        PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
     constexpr bool variable = variable_viscosity(content);
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
-        add_no_slip_image<KernelLaw, content, form>(c, i, no_slip.change(at->image), records[at->record],
-                                              with, variable ? root_mu[at->record] : 0.0f, sum, shear);
+        add_no_slip_image<KernelLaw, content, form>(
+            c, i, no_slip.change<Real>(at->image), records[at->record], with,
+            variable ? root_mu[at->record] : Real(0), sum, shear);
 }
 
 /// What the sums of a cluster must contain, from what it holds and meets.

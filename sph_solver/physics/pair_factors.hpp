@@ -2,6 +2,7 @@
 // Constants of the pair terms, and what multiplies the finished sums.
 
 #include <cmath>
+#include <type_traits>
 
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
@@ -18,13 +19,18 @@ struct Factors {
                       // equal and opposite
 };
 
+/// Keeps r > 0 for a particle and itself [h^2]. In double so little that loops which scale it with
+/// lengths of their own (see PairSize), or do without, agree to round-off.
+template <class Scalar>
+inline constexpr double tiny_share = std::is_same_v<Scalar, float> ? 1e-6 : 1e-14;
+
 /// Constants of the loop over one fluid. scale: of its kernel, see scale_of.
 template <class Scalar>
 PairConstants<Scalar> pair_constants(const PairPhysics& p, const FluidLaw& f, double unit) {
     const double h = f.h / unit;
     const double strain = p.implicit_viscosity ? 0 : 2 * f.mu / unit;
     return {Scalar(1 / h),
-            Scalar(1e-6 * h * h),
+            Scalar(tiny_share<Scalar> * h * h),
             Scalar(p.artificial_viscosity * f.h * f.c0 * f.rho0 / unit),
             Scalar(f.rho0 * p.gravity[0] * unit),
             Scalar(f.rho0 * p.gravity[1] * unit),

@@ -1,4 +1,5 @@
-// The reference of the fast sums: double precision, one pair at a time, all records.
+// The reference of the fast sums: double precision, one pair at a time, all records, of whatever
+// precision these are.
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/physics/pair_factors.hpp"
@@ -7,22 +8,22 @@ namespace undertow::sph {
 
 namespace {
 
-template <class KernelLaw>
+template <class Real, class KernelLaw>
 ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
                         const Neighborhood& neighbors) {
-    const double unit = neighbors.fixed().unit;
+    const double unit = neighbors.unit_in<Real>();
     const Mixture<double> mixture(physics, kernel.scale(), unit);
-    const auto& records = neighbors.records();
-    const std::vector<float>& h_of = neighbors.smoothing();  // empty unless sized
+    const auto& records = neighbors.records_in<Real>();
+    const std::vector<Real>& h_of = neighbors.smoothing_in<Real>();  // empty unless sized
     const bool sized = physics.sized(), mixed = physics.mixed(), variable = physics.viscoplastic();
-    const auto fluid_of = [&](const Packed& j) { return mixed ? FluidTag::of(j) : 0; };
+    const auto fluid_of = [&](const Record<Real>& j) { return mixed ? FluidTag::of(j) : 0; };
     const auto root_viscosity_of = [&](std::size_t j) {
-        return variable ? double(neighbors.root_viscosity()[j])
+        return variable ? double(neighbors.root_viscosity_in<Real>()[j])
                         : std::sqrt(physics.fluids[fluid_of(records[j])].mu);
     };
     ReferenceSums of;
     for (int i = 0; i < neighbors.fluid_count(); ++i) {
-        const Packed& q = records[i];
+        const Record<Real>& q = records[i];
         const auto fluid = fluid_of(q);
         const Factors<double> k{mixture.gradient, mixture.viscous, mixture.diffusive[fluid],
                                 mixture.per_mass[fluid]};
@@ -33,7 +34,7 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
         PairSums<double> sum;
         ShearSums<double> shear;
         for (std::size_t at = 0; at < records.size(); ++at) {  // no list to be wrong
-            const Packed& j = records[at];
+            const Record<Real>& j = records[at];
             const double dx = to_real(q.x - j.x, 0.0), dy = to_real(q.y - j.y, 0.0),
                          dz = to_real(q.z - j.z, 0.0);
             const double h = sized ? 0.5 * (h_of[i] + double(h_of[at])) : physics.h;
@@ -76,7 +77,8 @@ ReferenceSums reference(const KernelLaw& kernel, const PairPhysics& physics,
 ReferenceSums sum_over_neighbors_reference(const PairPhysics& physics,
                                            const Neighborhood& neighbors) {
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        return reference(kernel, physics, neighbors);
+        return neighbors.exact().used ? reference<double>(kernel, physics, neighbors)
+                                      : reference<float>(kernel, physics, neighbors);
     });
 }
 

@@ -15,6 +15,7 @@ namespace undertow::sph {
 
 struct PairPhysics {
     Kernel kernel = Kernel::wendland_c2;
+    Precision precision = Precision::float32;
     double h = 0;                     // smoothing length of sph.spacing [m]
     int dimension = 3;
     double artificial_viscosity = 0;  // alpha
@@ -57,13 +58,14 @@ struct PairPhysics {
 enum class ShearRate { held, found };
 
 /// Writes particles.drho_dt (rate), particles.ax, ay, az (force) or both from the packed records.
-/// With forces it also finds the shear rate of viscoplastic particles, and from it
-/// particles.viscosity, which the next pack shows to neighbors.
+/// In the precision of PairPhysics::precision. With forces it also finds the shear rate of
+/// viscoplastic particles, and from it particles.viscosity, which the next pack shows to neighbors.
 void sum_over_neighbors(const PairPhysics& physics, const Neighborhood& neighbors,
                         const NoSlipImages& no_slip, Terms terms, Particles& particles,
                         ShearRate shear_rate = ShearRate::found);
 
-/// The same in double precision, one pair at a time: the readable reference of the fast loop.
+/// The same in double precision from the same records, one pair at a time: the readable reference
+/// of the fast loops.
 struct ReferenceSums {
     std::vector<double> rate;         // [kg/m3/s], [n]
     std::vector<Vec3> acceleration;   // [m/s2], [n]

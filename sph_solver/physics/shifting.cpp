@@ -15,34 +15,36 @@ constexpr double stable_share = 0.5;  // of h^2/interval: the diffusion's limit
 
 /// Of one cluster: sums of V F times x_ij, (p_i - p_j) x_ij, x_ij . x_ij, v_ij . v_ij; and what is
 /// foreign.
+template <class Real>
 struct ShiftSums {
-    float8 x{}, y{}, z{}, px{}, py{}, pz{}, lambda{}, v2{}, foreign{};
+    Eight<Real> x{}, y{}, z{}, px{}, py{}, pz{}, lambda{}, v2{}, foreign{};
 };
 
-template <class KernelLaw>
-ShiftSums sum_cluster(const PairConstants<float>& c, const Neighborhood& neighbors, bool mixed,
-                      int first, const Lanes& i) {
-    const Packed* records = neighbors.records().data();
+template <class KernelLaw, class Real>
+ShiftSums<Real> sum_cluster(const PairConstants<Real>& c, const Neighborhood& neighbors, bool mixed,
+                            int first, const Lanes<Real>& i) {
+    using Wide = Eight<Real>;
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count(), cluster = first / lanes;
-    float8 own{};
+    Wide own{};
     if (mixed)
         for (int k = 0; k < lanes; ++k)
-            own[k] = static_cast<float>(FluidTag::of(records[std::min(first + k, n - 1)]));
-    ShiftSums sum;
+            own[k] = static_cast<Real>(FluidTag::of(records[std::min(first + k, n - 1)]));
+    ShiftSums<Real> sum;
     for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
-        const Packed& j = records[*at];
-        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
-        const float8 F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
-        const float8 p = F * (i.own.p - j.p);
+        const Record<Real>& j = records[*at];
+        const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
+        const Wide F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
+        const Wide p = F * (i.own.p - j.p);
         sum.x += F * dx, sum.y += F * dy, sum.z += F * dz;
         sum.px += p * dx, sum.py += p * dy, sum.pz += p * dz;
         sum.lambda += F * r2;
-        const float8 vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
+        const Wide vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
         sum.v2 += F * (vx * vx + vy * vy + vz * vz);
         if (mixed) {
-            const float8 differ = own - static_cast<float>(FluidTag::of(j));
+            const Wide differ = own - static_cast<Real>(FluidTag::of(j));
             sum.foreign += F * (differ * differ);
         }
     }
@@ -67,7 +69,8 @@ struct DriftScale {
     int dimension;
 };
 
-Drift drift_of(const DriftScale& scale, const ShiftSums& s, int k, Depth depth) {
+template <class Real>
+Drift drift_of(const DriftScale& scale, const ShiftSums<Real>& s, int k, Depth depth) {
     Drift of;
     if (depth == Depth::loose || s.foreign[k] > 0) return of;
     const double x[3] = {s.x[k], s.y[k], s.z[k]}, p[3] = {s.px[k], s.py[k], s.pz[k]};
@@ -88,11 +91,11 @@ Drift drift_of(const DriftScale& scale, const ShiftSums& s, int k, Depth depth) 
     return of;
 }
 
-template <class KernelLaw>
+template <class Real, class KernelLaw>
 void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
           double interval, Shift& shift) {
-    const double unit = neighbors.fixed().unit;
-    const auto c = pair_constants<float>(physics, physics.fluids[0], unit);
+    const double unit = neighbors.unit_in<Real>();
+    const auto c = pair_constants<Real>(physics, physics.fluids[0], unit);
     const DriftScale scale{kernel.scale() * unit,
                            kernel.scale() * unit * unit,
                            physics.shifting * 2 * physics.h * physics.h,
@@ -101,7 +104,7 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhoo
                            stable_share * physics.h * physics.h / interval,
                            physics.dimension};
     const double reach = 2 * physics.h / unit;
-    const Packed* records = neighbors.records().data();
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const std::vector<Depth>& depth = neighbors.depth();
     const int n = neighbors.fluid_count(), clusters = lists.clusters();
@@ -112,8 +115,8 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhoo
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
         const int first = cluster * lanes;
-        const Lanes i = load_cluster(records, first, n);
-        const ShiftSums sum = sum_cluster<KernelLaw>(c, neighbors, mixed, first, i);
+        const Lanes<Real> i = load_cluster(records, first, n);
+        const ShiftSums<Real> sum = sum_cluster<KernelLaw>(c, neighbors, mixed, first, i);
         for (int k = 0; k < lanes; ++k)
             drift[first + k] = drift_of(scale, sum, k, depth[first + k]);
     }
@@ -141,8 +144,8 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhoo
             rate += u[a] * of.grad_p[a];
         }
         const double c0 = physics.fluids[mixed ? FluidTag::of(records[i]) : 0].c0;
-        shift.ux[i] = float(u[0]), shift.uy[i] = float(u[1]), shift.uz[i] = float(u[2]);
-        shift.rate[i] = float(rate / (c0 * c0));
+        shift.ux[i] = Real(u[0]), shift.uy[i] = Real(u[1]), shift.uz[i] = Real(u[2]);
+        shift.rate[i] = Real(rate / (c0 * c0));
         fastest2 = std::max(fastest2, u2);
     }
     shift.fastest = std::sqrt(fastest2);
@@ -163,13 +166,17 @@ void Shift::move(double dt, Particles& p) const {
 void Shift::carry_density(Particles& p) const {
     const int n = static_cast<int>(p.size());
 #pragma omp parallel for schedule(static)
-    for (int i = 0; i < n; ++i) p.drho_dt[i] += rate[i];
+    for (int i = 0; i < n; ++i) p.drho_dt.add(i, rate[i]);
 }
 
 void find_shift(const PairPhysics& physics, const Neighborhood& neighbors, double interval,
                 Shift& shift) {
-    with_kernel(physics.kernel, physics.h, physics.dimension,
-                [&](const auto& kernel) { find(kernel, physics, neighbors, interval, shift); });
+    with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
+        if (neighbors.exact().used)
+            find<double>(kernel, physics, neighbors, interval, shift);
+        else
+            find<float>(kernel, physics, neighbors, interval, shift);
+    });
 }
 
 }  // namespace undertow::sph

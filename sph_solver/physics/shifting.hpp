@@ -11,8 +11,8 @@ namespace undertow::sph {
 /// Found anew when the lists are rebuilt, constant until the next time: a particle moves a fraction
 /// of the spacing meanwhile. Arrays are padded to full clusters.
 struct Shift {
-    std::vector<float> ux, uy, uz;  // drift beyond the velocity [m/s], [n]
-    std::vector<float> rate;        // u . grad rho [kg/m3/s], [n]
+    std::vector<double> ux, uy, uz;  // drift beyond the velocity [m/s], [n]
+    std::vector<double> rate;        // u . grad rho [kg/m3/s], [n]
     double fastest = 0;             // largest |u| [m/s]
 
     bool empty() const { return ux.empty(); }

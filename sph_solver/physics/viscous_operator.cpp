@@ -116,7 +116,7 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
     const int n = neighbors.fluid_count(), records = static_cast<int>(records_.size());
     const std::vector<Extra>& extras = neighbors.extras();
     // of the shear rates just found: the packed ones are a step older
-    const std::vector<float>& viscosity = particles.viscosity;
+    const std::vector<double>& viscosity = particles.viscosity;
     image_.resize(extras.size(), ViscousImage(mirror, 0, false));
     mass_.resize((n + lanes - 1) / lanes * lanes, 1.0f);
     part_.resize(neighbors.fluid_lists().clusters());
@@ -132,9 +132,9 @@ void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& ne
         if (viscosity.empty())
             q.p = static_cast<float>(std::sqrt(fluid.mu));
         else
-            q.p = std::sqrt(!extra         ? viscosity[j]
-                            : e->from_body ? bodies.viscosity[e->source]
-                                           : viscosity[e->source]);
+            q.p = std::sqrt(static_cast<float>(!extra         ? viscosity[j]
+                                               : e->from_body ? bodies.viscosity[e->source]
+                                                              : viscosity[e->source]));
         if (!extra) {
             mass_[j] = static_cast<float>(fluid.rho0 * fluid.volume);
             continue;

@@ -12,24 +12,27 @@ namespace undertow::sph {
 namespace {
 
 /// The sum over the images of one mask, or over one body's dummies and their images of one mask.
+template <class Real>
 struct OfWall {
     PlaneMask mask;
     int body;  // -1 = images of the fluid
-    PairSums<float8> sum;
+    PairSums<Eight<Real>> sum;
 };
 
-/// What a dummy shows the implicit update beyond its record's velocity: 2 v_wall - u_i, or u_i itself
-/// where the body lets the fluid slip.  [m/s]
+/// What a dummy shows the implicit update beyond its record's velocity: 2 v_wall - u_i, or u_i
+/// itself where the body lets the fluid slip.  [m/s]
+template <class Real>
 struct DummyChange {
-    float8 x, y, z;
+    using Wide = Eight<Real>;
+    Wide x, y, z;
 
-    DummyChange(const Own<float8>& i, const Packed& j, const Bodies& bodies, int dummy) {
+    DummyChange(const Own<Wide>& i, const Record<Real>& j, const Bodies& bodies, int dummy) {
         const RigidBody& rigid = bodies.body[bodies.owner[dummy]];
         const Vec3 wall =
             rigid.pose().velocity_at({bodies.x[dummy], bodies.y[dummy], bodies.z[dummy]});
         const bool holds = rigid.body().slip == Slip::no_slip;
-        const auto change = [&](double w, float8 own, float shown) {
-            return holds ? static_cast<float>(2 * w) - own - shown : own - shown;
+        const auto change = [&](double w, Wide own, Real shown) {
+            return holds ? static_cast<Real>(2 * w) - own - shown : own - shown;
         };
         x = change(wall[0], i.vx, j.vx), y = change(wall[1], i.vy, j.vy);
         z = change(wall[2], i.vz, j.vz);
@@ -38,45 +41,46 @@ struct DummyChange {
 
 /// Calls f(mask, body, ax, ay, az) with the accelerations that the eight get from each OfWall.
 /// implicit: bodies hold the fluid as in the implicit update, by their dummies.
-template <class KernelLaw, Content content, ViscousForm form, bool sized = false, class OfOwn,
-          class F>
-void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
-                   const Meeting<float8>* with, const Neighborhood& neighbors, int cluster,
-                   const Bodies& bodies, PlaneMask planes, bool implicit, std::vector<OfWall>& met,
-                   F&& f, const OwnSize* own_size = nullptr) {
+template <class KernelLaw, Content content, ViscousForm form, bool sized = false, class Real,
+          class OfOwn, class F>
+void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
+                   const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
+                   const Neighborhood& neighbors, int cluster, const Bodies& bodies,
+                   PlaneMask planes, bool implicit, std::vector<OfWall<Real>>& met, F&& f,
+                   const OwnSize<Real>* own_size = nullptr) {
     constexpr bool variable = content == Content::viscoplastic;
-    const float* root_mu = variable ? neighbors.root_viscosity().data() : nullptr;
-    const Packed* records = neighbors.records().data();
+    const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
     for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) {
         const Extra& extra = neighbors.extras()[*at - n];
         if ((extra.mask & planes) == 0 && !extra.from_body) continue;  // by translation only
-        const Packed& j = records[*at];
+        const Record<Real>& j = records[*at];
         const int body = extra.from_body ? bodies.owner[extra.source] : -1;
         std::size_t m = 0;
         while (m < met.size() && (met[m].mask != extra.mask || met[m].body != body)) ++m;
         if (m == met.size()) met.push_back({extra.mask, body, {}});
-        const auto add = [&](const PairSize<float8>* size) {
+        const auto add = [&](const PairSize<Eight<Real>>* size) {
             add_pair<KernelLaw, Terms::force, content, sized, Gradient::plain, form>(
                 c, i.own, to_real(i.x - j.x), to_real(i.y - j.y), to_real(i.z - j.z), j, met[m].sum,
-                with ? with + FluidTag::of(j) : nullptr, variable ? root_mu[*at] : 0.0f,
-                static_cast<ShearSums<float8>*>(nullptr), size);
+                with ? with + FluidTag::of(j) : nullptr, variable ? root_mu[*at] : Real(0),
+                static_cast<ShearSums<Eight<Real>>*>(nullptr), size);
         };
         if constexpr (sized) {
-            const PairSize<float8> size = own_size->with(*at);
+            const PairSize<Eight<Real>> size = own_size->with(*at);
             add(&size);
         } else {
             add(nullptr);
         }
         if (implicit && body >= 0)
             add_no_slip_image<KernelLaw, content, form>(
-                c, i, DummyChange(i.own, j, bodies, extra.source), j, with,
-                variable ? root_mu[*at] : 0.0f, met[m].sum);
+                c, i, DummyChange<Real>(i.own, j, bodies, extra.source), j, with,
+                variable ? root_mu[*at] : Real(0), met[m].sum);
     }
-    for (const OfWall& of : met) {
-        const float8 per_rho = i.volume * k.per_mass;
-        float8 ax, ay, az;
+    for (const OfWall<Real>& of : met) {
+        const Eight<Real> per_rho = i.volume * k.per_mass;
+        Eight<Real> ax, ay, az;
         acceleration(k, per_rho, of.sum, ax, ay, az);
         f(of.mask, of.body, ax, ay, az);
     }
@@ -85,10 +89,11 @@ void for_each_wall(const PairConstants<float>& c, const Factors<float, OfOwn>& k
 
 /// Calls f(mask, ax, ay, az) with what the eight feel of images behind no-slip planes beyond that
 /// of free-slip ones: the walls' shear.
-template <class KernelLaw, Content content, ViscousForm form, class OfOwn, class F>
-void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& k, const Lanes& i,
-                    const Meeting<float8>* with, const Neighborhood& neighbors,
-                    const NoSlipImages& no_slip, int cluster, std::vector<OfWall>& met, F&& f) {
+template <class KernelLaw, Content content, ViscousForm form, class Real, class OfOwn, class F>
+void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
+                    const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
+                    const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
+                    std::vector<OfWall<Real>>& met, F&& f) {
     if (no_slip.empty()) return;
     constexpr bool variable = content == Content::viscoplastic;
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
@@ -97,30 +102,30 @@ void for_each_shear(const PairConstants<float>& c, const Factors<float, OfOwn>& 
         while (m < met.size() && met[m].mask != mask) ++m;
         if (m == met.size()) met.push_back({mask, -1, {}});
         add_no_slip_image<KernelLaw, content, form>(
-            c, i, no_slip.change(at->image), neighbors.records()[at->record], with,
-            variable ? neighbors.root_viscosity()[at->record] : 0.0f, met[m].sum);
+            c, i, no_slip.change<Real>(at->image), neighbors.records_in<Real>()[at->record], with,
+            variable ? neighbors.root_viscosity_in<Real>()[at->record] : Real(0), met[m].sum);
     }
-    for (const OfWall& of : met) {
-        const float8 per_rho = i.volume * k.per_mass;
-        float8 ax, ay, az;
+    for (const OfWall<Real>& of : met) {
+        const Eight<Real> per_rho = i.volume * k.per_mass;
+        Eight<Real> ax, ay, az;
         acceleration(k, per_rho, of.sum, ax, ay, az);
         f(of.mask, ax, ay, az);
     }
     met.clear();
 }
 
-template <ViscousForm form, class KernelLaw>
+template <class Real, ViscousForm form, class KernelLaw>
 std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& physics,
                                  const Neighborhood& neighbors, const MirrorPlanes& mirror,
-                                 const Bodies& bodies, const NoSlipImages& no_slip,
-                                 bool implicit) {
-    const double unit = neighbors.fixed().unit;
+                                 const Bodies& bodies, const NoSlipImages& no_slip, bool implicit) {
+    using Wide = Eight<Real>;
+    const double unit = neighbors.unit_in<Real>();
     const FluidLaw& first_fluid = physics.fluids[0];
-    const auto c = pair_constants<float>(physics, first_fluid, unit);
-    const auto k = factors<float>(physics, first_fluid, kernel.scale(), unit);
-    const Mixture<float> mixture(physics, kernel.scale(), unit);
+    const auto c = pair_constants<Real>(physics, first_fluid, unit);
+    const auto k = factors<Real>(physics, first_fluid, kernel.scale(), unit);
+    const Mixture<Real> mixture(physics, kernel.scale(), unit);
     const bool mixed = physics.mixed(), variable = physics.viscoplastic();
-    const Packed* records = neighbors.records().data();
+    const Record<Real>* records = neighbors.records_in<Real>().data();
     const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
     const std::size_t planes = mirror.size(), fluids = physics.fluids.size();
     const PlaneMask any_plane = (PlaneMask(1) << planes) - 1;
@@ -130,13 +135,13 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
 
 #pragma omp parallel
     {
-        std::vector<OfWall> met;
+        std::vector<OfWall<Real>> met;
 #pragma omp for schedule(dynamic, 32)
         for (int cluster = 0; cluster < clusters; ++cluster) {
             const int first = cluster * lanes, members = std::min(lanes, n - first);
-            Lanes i = load_cluster(records, first, n);
+            Lanes<Real> i = load_cluster(records, first, n);
             Vec3* force = &part[cluster * all];
-            const auto add = [&](PlaneMask mask, int body, float8 ax, float8 ay, float8 az) {
+            const auto add = [&](PlaneMask mask, int body, Wide ax, Wide ay, Wide az) {
                 double a[FluidTag::most][3] = {};
                 for (int lane = 0; lane < members; ++lane) {
                     double* of = a[mixed ? FluidTag::of(records[first + lane]) : 0];
@@ -160,7 +165,7 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                     for (int b = 0; b < 3; ++b)
                         force[w * fluids + f][b] -= physics.fluids[f].mass * a[f][b];
             };
-            const auto add_shear = [&](PlaneMask mask, float8 ax, float8 ay, float8 az) {
+            const auto add_shear = [&](PlaneMask mask, Wide ax, Wide ay, Wide az) {
                 std::size_t plane = 0;  // the first of those that hold the fluid
                 while (!(mask >> plane & 1) ||
                        mirror.plane(static_cast<int>(plane)).slip != Slip::no_slip)
@@ -173,25 +178,26 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 }
             };
             if (!mixed) {
-                for_each_shear<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, no_slip,
-                                                              cluster, met, add_shear);
-                for_each_wall<KernelLaw, Content::one_fluid, form>(c, k, i, nullptr, neighbors, cluster,
-                                                             bodies, any_plane, implicit, met, add);
+                for_each_shear<KernelLaw, Content::one_fluid, form>(
+                    c, k, i, nullptr, neighbors, no_slip, cluster, met, add_shear);
+                for_each_wall<KernelLaw, Content::one_fluid, form>(
+                    c, k, i, nullptr, neighbors, cluster, bodies, any_plane, implicit, met, add);
                 continue;
             }
-            MixedLanes m;
-            look_up(mixture, records, variable ? neighbors.root_viscosity().data() : nullptr, first,
-                    n, i.own, m);
+            MixedLanes<Real> m;
+            look_up(mixture, records,
+                    variable ? neighbors.root_viscosity_in<Real>().data() : nullptr, first, n,
+                    i.own, m);
             if (variable)
-                for_each_shear<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
-                                                                 m.with, neighbors, no_slip,
-                                                                 cluster, met, add_shear);
+                for_each_shear<KernelLaw, Content::viscoplastic, form>(
+                    mixture.constants, m.factors, i, m.with, neighbors, no_slip, cluster, met,
+                    add_shear);
             else
-                for_each_shear<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
-                                                            neighbors, no_slip, cluster, met,
-                                                            add_shear);
+                for_each_shear<KernelLaw, Content::several, form>(mixture.constants, m.factors, i,
+                                                                  m.with, neighbors, no_slip,
+                                                                  cluster, met, add_shear);
             if (physics.sized()) {
-                const OwnSize own_size(physics, &neighbors.smoothing(), first, n);
+                const OwnSize<Real> own_size(physics, &neighbors.smoothing_in<Real>(), first, n);
                 if (variable)
                     for_each_wall<KernelLaw, Content::viscoplastic, form, true>(
                         mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies,
@@ -203,13 +209,13 @@ std::vector<Vec3> force_on_walls(const KernelLaw& kernel, const PairPhysics& phy
                 continue;
             }
             if (variable)
-                for_each_wall<KernelLaw, Content::viscoplastic, form>(mixture.constants, m.factors, i,
-                                                                m.with, neighbors, cluster, bodies,
-                                                                any_plane, implicit, met, add);
+                for_each_wall<KernelLaw, Content::viscoplastic, form>(
+                    mixture.constants, m.factors, i, m.with, neighbors, cluster, bodies, any_plane,
+                    implicit, met, add);
             else
-                for_each_wall<KernelLaw, Content::several, form>(mixture.constants, m.factors, i, m.with,
-                                                           neighbors, cluster, bodies, any_plane,
-                                                           implicit, met, add);
+                for_each_wall<KernelLaw, Content::several, form>(mixture.constants, m.factors, i,
+                                                                 m.with, neighbors, cluster, bodies,
+                                                                 any_plane, implicit, met, add);
         }
     }
     std::vector<Vec3> force(all, Vec3{});
@@ -228,11 +234,16 @@ std::vector<Vec3> wall_forces(const PairPhysics& of, const Neighborhood& neighbo
     PairPhysics physics = of;
     physics.implicit_viscosity = false;
     return with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
-        const auto force = physics.explicit_form() == ViscousForm::strain
-                                ? force_on_walls<ViscousForm::strain, std::decay_t<decltype(kernel)>>
-                                : force_on_walls<ViscousForm::laplacian,
-                                                 std::decay_t<decltype(kernel)>>;
-        return force(kernel, physics, neighbors, mirror, bodies, no_slip, of.implicit_viscosity);
+        const auto in = [&]<class Real>() {
+            using Law = std::decay_t<decltype(kernel)>;
+            const auto force = physics.explicit_form() == ViscousForm::strain
+                                   ? force_on_walls<Real, ViscousForm::strain, Law>
+                                   : force_on_walls<Real, ViscousForm::laplacian, Law>;
+            return force(kernel, physics, neighbors, mirror, bodies, no_slip,
+                         of.implicit_viscosity);
+        };
+        return neighbors.exact().used ? in.template operator()<double>()
+                                      : in.template operator()<float>();
     });
 }
 

@@ -55,15 +55,15 @@ void Start::constrain(double t, double dt, double kick, const Vec3& gravity,
         const Vec3 other{s.fx[i] + gravity[0], s.fy[i] + gravity[1], s.fz[i] + gravity[2]};
         const Vec3 v{s.vx[i], s.vy[i], s.vz[i]};
         Vec3 next;
-        const float a[3] = {s.ax[i], s.ay[i], s.az[i]};
+        const double a[3] = {s.ax[i], s.ay[i], s.az[i]};
         for (int k = 0; k < 3; ++k) next[k] = keep * (v[k] + kick * (a[k] + other[k]));
         for (std::size_t b = 0; b < blocks_.size(); ++b)
             if (s.id[i] >= blocks_[b].first_id && s.id[i] < blocks_[b].end_id &&
                 t < settle_ + blocks_[b].ramp)
                 next = velocity[b];
-        s.ax[i] = static_cast<float>((next[0] - v[0]) / kick - other[0]);
-        s.ay[i] = static_cast<float>((next[1] - v[1]) / kick - other[1]);
-        s.az[i] = static_cast<float>((next[2] - v[2]) / kick - other[2]);
+        s.ax.set(i, (next[0] - v[0]) / kick - other[0]);
+        s.ay.set(i, (next[1] - v[1]) / kick - other[1]);
+        s.az.set(i, (next[2] - v[2]) / kick - other[2]);
     }
 }
 

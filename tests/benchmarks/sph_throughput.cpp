@@ -160,6 +160,8 @@ int main(int argc, char** argv) {
         {"newtonian_one_pass", {}, false},
         {"newtonian_two_pass", {}, true},
         {"cubic_spline_two_pass", {"sph.kernel=cubic_spline"}, true},
+        {"double", {"sph.precision=double"}, true},
+        {"double_one_pass", {"sph.precision=double"}, false},
         {"herschel_bulkley", slurry("explicit"), true},
         {"herschel_bulkley_one_pass", slurry("explicit"), false},
         {"herschel_bulkley_implicit", slurry("implicit"), true},

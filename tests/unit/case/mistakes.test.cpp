@@ -41,6 +41,8 @@ const Mistake mistakes[] = {
      "case.toml:7:24: sph.artificial_viscosity = 3 is not allowed"},
     {"spacing = 0.1", "spacing = 0.1\nshifting = 50",
      "case.toml:7:12: sph.shifting = 50 is not allowed"},
+    {"spacing = 0.1", "spacing = 0.1\nprecision = \"single\"",
+     "case.toml:7:13: sph.precision = \"single\" is not known: allowed are float, double"},
     {"spacing = 0.1", "spacing = 0.1\ntension_control = \"cut\"",
      "case.toml:7:19: sph.tension_control = \"cut\" is not known: allowed are none, spray, switched"},
     {"spacing = 0.1", "spacing = 0.1\ndomain = { min = [0, 0, 0], max = [1, 1, 0.5] }",

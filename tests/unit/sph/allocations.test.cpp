@@ -104,7 +104,9 @@ constexpr long growing_buffers = 10;  // per new list; 7 measured while the colu
 
 TEST_CASE(
     "a collapsing column with a moving gate: only a new list that outgrows its memory allocates") {
-    const Count count = count_over_100_steps(collapsing_column(), 20);
+    Case c = collapsing_column();
+    c.sph.precision = GENERATE(Precision::float32, Precision::float64);
+    const Count count = count_over_100_steps(c, 20);
     CHECK(count.without == 0);
     CHECK(count.new_lists > 5);
     CHECK(count.with_new_list <= growing_buffers * count.new_lists);

@@ -123,10 +123,12 @@ TEST_CASE("a held block stands still, follows its ramp and arrives where the cas
     Particles& p = f.particles;
     const std::size_t mud = f.first_id[1], water = 0;
     const double x0 = p.x[mud], dt = 1e-3;
-    std::fill(p.ax.begin(), p.ax.end(), 3.0f);   // whatever pushes
+    const auto push = [&] {
+        for (std::size_t i = 0; i < p.ax.size(); ++i) p.ax.set(i, 3);  // whatever pushes
+    };
     double last_dt = 0, t = 0;
     for (int n = 0; t < 0.3 - 1e-9; ++n, t = n * dt, last_dt = dt) {
-        std::fill(p.ax.begin(), p.ax.end(), 3.0f);
+        push();
         const double kick = 0.5 * (dt + last_dt);
         start.constrain(t, dt, kick, {0, 0, -9.81}, p);
         p.vx[mud] += kick * p.ax[mud], p.x[mud] += dt * p.vx[mud];

@@ -130,7 +130,7 @@ TEST_CASE("the implicit update conserves momentum to round-off, however loose it
 }
 
 TEST_CASE("the implicit update has the same bits for one thread and for two") {
-    std::vector<float> found[2];
+    Summed found[2];
     for (int k = 0; k < 2; ++k) {
         omp_set_num_threads(k + 1);
         FluidSystem fluid = stiff_drop(3, ViscousForm::strain, 1e-4);

@@ -188,7 +188,7 @@ TEST_CASE("the particle that asks for the shortest step is found") {
     fluid.pack(0);
     fluid.sum_over_neighbors(Terms::both);
     fluid.particles.vz[17] = -3;
-    fluid.particles.ax[5] = 1e6f;
+    fluid.particles.ax.set(5, 1e6);
     CHECK(fluid.limiting_particle("sound") == 17);
     CHECK(fluid.limiting_particle("force") == 5);
     CHECK(fluid.limiting_particle("viscosity") == -1);   // the same for all

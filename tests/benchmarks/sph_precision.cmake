@@ -1,0 +1,2 @@
+add_executable(bench_sph_precision ${CMAKE_CURRENT_LIST_DIR}/sph_precision.cpp)
+target_link_libraries(bench_sph_precision PRIVATE undertow_sph)
