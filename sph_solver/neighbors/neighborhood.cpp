@@ -92,11 +92,32 @@ void Neighborhood::sort(Particles& particles) {
 void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
                                const MirrorPlanes& mirror) {
     const double range = image_range(mirror.periodic());
+    const auto position = [&](const Extra& e) {
+        const double x = e.from_body ? bodies.x[e.source] : particles.x[e.source];
+        const double y = e.from_body ? bodies.y[e.source] : particles.y[e.source];
+        const double z = e.from_body ? bodies.z[e.source] : particles.z[e.source];
+        const Reflection& r = mirror.reflection(e.mask);
+        return Vec3{r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0],
+                    r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1],
+                    r.m[2][0] * x + r.m[2][1] * y + r.m[2][2] * z + r.t[2]};
+    };
+    // A fluid that fills a part of a period has its images across the faces far away from all that
+    // could need them, and out of the reach of fixed-point positions.
+    const bool periodic = !mirror.periodic().axes().empty();
+    const auto out_of_reach = [&](const Extra& e) {
+        const Vec3 at = position(e);
+        for (int a = 0; a < 3; ++a)
+            if (at[a] < lo_[a] - range || at[a] > hi_[a] + range) return true;
+        return false;
+    };
     unsorted_extras_.clear();
     const auto add_images = [&](int source, double x, double y, double z, bool from_body) {
         masks_.clear();
         mirror.images_of(x, y, z, range, masks_);
-        for (const PlaneMask mask : masks_) unsorted_extras_.push_back({source, mask, from_body});
+        for (const PlaneMask mask : masks_) {
+            const Extra e{source, mask, from_body};
+            if (!periodic || !out_of_reach(e)) unsorted_extras_.push_back(e);
+        }
     };
     // images of the fluid first: they are the sources of the bodies' extrapolation
     for (std::size_t i = 0; i < particles.size(); ++i)
@@ -111,15 +132,6 @@ void Neighborhood::find_extras(const Particles& particles, const Bodies& bodies,
         add_images(d, bodies.x[d], bodies.y[d], bodies.z[d], true);
     }
 
-    const auto position = [&](const Extra& e) {
-        const double x = e.from_body ? bodies.x[e.source] : particles.x[e.source];
-        const double y = e.from_body ? bodies.y[e.source] : particles.y[e.source];
-        const double z = e.from_body ? bodies.z[e.source] : particles.z[e.source];
-        const Reflection& r = mirror.reflection(e.mask);
-        return Vec3{r.m[0][0] * x + r.m[0][1] * y + r.m[0][2] * z + r.t[0],
-                    r.m[1][0] * x + r.m[1][1] * y + r.m[1][2] * z + r.t[1],
-                    r.m[2][0] * x + r.m[2][1] * y + r.m[2][2] * z + r.t[2]};
-    };
     cell_.resize(unsorted_extras_.size());
     for (std::size_t e = 0; e < unsorted_extras_.size(); ++e) {
         const Vec3 at = position(unsorted_extras_[e]);
