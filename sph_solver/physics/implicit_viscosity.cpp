@@ -30,32 +30,29 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
     const int n = static_cast<int>(s.size());
     if (n == 0 || !(kick > 0)) return;
     operator_.prepare(physics, neighbors, mirror, bodies, s);
-    before_.resize(identities);
+    before_.resize(3 * identities, 0.0f);
     for (Field3* f : {&guess_, &change_, &residual_, &direction_, &image_}) f->resize(n);
     const float* m = operator_.mass().data();
 
-    // The solution of the step before, on with its own acceleration. What that step left unbalanced is
-    // in v but not in the solution: K would blow it up by k lambda, and a measure of the start that
-    // contains it would allow this step to leave more.
+    // what the velocity would be with the acceleration of the step before
     double weight = 0, drive = 0;
     weight = sum_over_particles(n, [&](int i) {
-        const Before& b = before_[s.id[i]];
-        guess_.x[i] = float(s.vx[i] - b.left[0] + kick * b.a[0]);
-        guess_.y[i] = float(s.vy[i] - b.left[1] + kick * b.a[1]);
-        guess_.z[i] = float(s.vz[i] - b.left[2] + kick * b.a[2]);
+        const float* a = &before_[3 * s.id[i]];
+        guess_.x[i] = float(s.vx[i] + kick * a[0]);
+        guess_.y[i] = float(s.vy[i] + kick * a[1]);
+        guess_.z[i] = float(s.vz[i] + kick * a[2]);
         return double(m[i]);
     });
     operator_.apply(guess_, ViscousOperator::Walls::moving, 0, kick, image_);
     operator_.diagonal(kick, diagonal_);
     // r = m (u* - u) - k K u
     drive = sum_over_particles(n, [&](int i) {
-        const Before& b = before_[s.id[i]];
-        const float* a = b.a;
+        const float* a = &before_[3 * s.id[i]];
         const double ax = s.ax[i] + s.fx[i] + g[0], ay = s.ay[i] + s.fy[i] + g[1],
                      az = s.az[i] + s.fz[i] + g[2];
-        residual_.x[i] = float(m[i] * (kick * (ax - a[0]) + b.left[0])) - image_.x[i];
-        residual_.y[i] = float(m[i] * (kick * (ay - a[1]) + b.left[1])) - image_.y[i];
-        residual_.z[i] = float(m[i] * (kick * (az - a[2]) + b.left[2])) - image_.z[i];
+        residual_.x[i] = float(m[i] * kick * (ax - a[0])) - image_.x[i];
+        residual_.y[i] = float(m[i] * kick * (ay - a[1])) - image_.y[i];
+        residual_.z[i] = float(m[i] * kick * (az - a[2])) - image_.z[i];
         change_.x[i] = change_.y[i] = change_.z[i] = 0;
         return m[i] * std::max(ax * ax + ay * ay + az * az,
                                double(a[0]) * a[0] + double(a[1]) * a[1] + double(a[2]) * a[2]);
@@ -117,19 +114,14 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
     }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
-        Before& b = before_[s.id[i]];
+        float* a = &before_[3 * s.id[i]];
         const double per = 1 / kick;
-        const float change[3] = {change_.x[i], change_.y[i], change_.z[i]};
-        const float left[3] = {residual_.x[i] / m[i], residual_.y[i] / m[i], residual_.z[i] / m[i]};
-        double total[3];
-        for (int c = 0; c < 3; ++c) {
-            b.a[c] += float(per * change[c]);
-            total[c] = b.a[c] + per * (double(left[c]) - b.left[c]);
-            b.left[c] = left[c];
-        }
-        s.ax.set(i, total[0] - s.fx[i] - g[0]);
-        s.ay.set(i, total[1] - s.fy[i] - g[1]);
-        s.az.set(i, total[2] - s.fz[i] - g[2]);
+        a[0] += float(per * (change_.x[i] + residual_.x[i] / m[i]));
+        a[1] += float(per * (change_.y[i] + residual_.y[i] / m[i]));
+        a[2] += float(per * (change_.z[i] + residual_.z[i] / m[i]));
+        s.ax.set(i, a[0] - s.fx[i] - g[0]);
+        s.ay.set(i, a[1] - s.fy[i] - g[1]);
+        s.az.set(i, a[2] - s.fz[i] - g[2]);
     }
 }
 

@@ -3,7 +3,7 @@
 // however large the viscosity is.
 //   m_i (u_i - u_i*)/k + (K u)_i = 0,   u* = v^{n-1/2} + k (a + f + g),  k = (dt^{n-1} + dt^n)/2
 // with K of viscous_operator.hpp, by conjugate gradients with the diagonal as preconditioner,
-// started from the solution of the step before and its change. It ends when the force that is not balanced,
+// started from the velocity change of the step before. It ends when the force that is not balanced,
 // as an acceleration r/(m k), is `tolerance` of the mean acceleration in the rms over all
 // particles. What is left is not thrown away: v = u + r/m is v = u* - k K u/m, the explicit formula
 // with the stress of u, so that momentum is conserved to round-off whatever the tolerance.
@@ -42,11 +42,7 @@ class ImplicitViscosity {
 
     double tolerance_;
     ViscousOperator operator_;
-    struct Before {               // of the step before, by identity
-        float a[3] = {0, 0, 0};     // [m/s2] of the solutions u, from one to the next
-        float left[3] = {0, 0, 0};  // [m/s] r/m, what of v is not in u
-    };
-    std::vector<Before> before_;
+    std::vector<float> before_;  // acceleration of the step before [m/s2], [identities][3]
     Field3 guess_, change_, residual_, direction_, image_;
     std::vector<float> diagonal_;
     std::vector<double> part_;
