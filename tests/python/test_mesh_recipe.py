@@ -5,11 +5,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
-BUCKET = Path(__file__).resolve().parents[2] / "cases" / "bucket"
+CASES = Path(__file__).resolve().parents[2] / "cases"
+BUCKET = CASES / "bucket"
 
 
-def recipe():
-    spec = importlib.util.spec_from_file_location("bucket_mesh", BUCKET / "mesh.py")
+def recipe(folder=BUCKET):
+    spec = importlib.util.spec_from_file_location(f"{folder.name}_mesh", folder / "mesh.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -37,6 +38,17 @@ class BucketMesh(unittest.TestCase):
         self.assertTrue(all(abs(abs(mesh.x[n][0]) - 4) < 1e-9 for n in shared))
         self.assertGreaterEqual(len(shared), 2 * 8)
         self.assertFalse(clay & {n for f in mesh.facets["bucket_skirt"] for n in f})
+
+
+class ShellMeshes(unittest.TestCase):
+    def test_kept_meshes_are_what_the_recipes_make(self):
+        for case, mesh, sizes in (("scordelis_lo", "roof", (8, 16, 32)), ("i_beam", "i_beam", (20, 40, 80))):
+            folder = CASES / "verify_fem" / case
+            for n in sizes:
+                with tempfile.TemporaryDirectory() as made:
+                    path = Path(made) / "made.msh"
+                    recipe(folder).build(n).write(path)
+                    self.assertEqual(path.read_text(), (folder / "mesh" / f"{mesh}_{n}.msh").read_text(), f"{mesh}_{n}")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import shutil
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import h5py
 import numpy as np
@@ -19,7 +20,7 @@ from undertow_tool.paths import BUILD  # noqa: E402
 from undertow_tool.verify.ladder import Rung  # noqa: E402
 from undertow_tool.verify.measured import Measured  # noqa: E402
 from undertow_tool.verify.order import observed_order  # noqa: E402
-from undertow_tool.verify.pages import row_state  # noqa: E402
+from undertow_tool.verify.pages import BEGIN, END, row_state, write_page  # noqa: E402
 
 CASE = {"case": {"gravity": [0, 0, 0]}, "sph": {"spacing": 0.1, "plane": [], "plate": [], "fluid": [{"name": "water"}]},
         "report": {"ladder": ["coarse", "fine"], "gates": {"speed": [0.2, 0.1], "drift": 0.1},
@@ -32,6 +33,31 @@ def measured(folder, level="fine", **summary):
 
 def states(run):
     return [row_state(row) for row in run.rows]
+
+
+class Pages(unittest.TestCase):
+    def test_tables_of_other_verifications_stay(self):
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="undertow-test-"))
+        self.addCleanup(shutil.rmtree, folder)
+        page = folder / "page.md"
+        kept = "### heap: a heap\n\nkept word for word\n\n| a |\n|---|"
+        page.write_text(f"Before.\n\n{BEGIN}\n\n{kept}\n\n### couette: old\n\nold table\n\n### no_such_case: x\n\ny\n\n{END}\nAfter.\n")
+        (folder / "couette.png").write_bytes(b"")
+        result = {"name": "couette", "title": "new", "exact": "zero", "gates_from": "guess", "defects": {}, "orders": {}, "rungs": [],
+                  "failed_runs": [], "set": [], "made": {}, "solver": "page_test"}
+        images = TOP / "docs" / "images" / "verify_page_test"
+        self.addCleanup(shutil.rmtree, images, ignore_errors=True)
+        with unittest.mock.patch.dict("undertow_tool.verify.pages.COLUMNS", {"page_test": ()}):
+            for _ in range(2):      # the second writing changes nothing
+                write_page(page, [(folder / "couette.json", result)])
+                text = page.read_text()
+                self.assertIn(kept, text)
+                self.assertIn("### couette: new", text)
+                self.assertNotIn("old", text)
+                self.assertNotIn("no_such_case", text)
+                self.assertLess(text.index("couette"), text.index("heap"))
+                self.assertTrue(text.startswith("Before.") and text.endswith("After.\n"))
+        self.assertEqual(text.count("\n\n\n"), 0)
 
 
 class Judging(unittest.TestCase):

@@ -8,6 +8,7 @@ from ..errors import UserError
 from ..paths import TOP, shown
 from ..results_folder import read_json
 from ..table import error_text, limit_text, number
+from .ladder import known_verifications
 
 PAGES = {solver: TOP / "docs" / f"validation_{solver}.md" for solver in ("sph", "fem")}
 BEGIN, END = "<!-- verify: begin (written by scripts/undertow verify --docs) -->", "<!-- verify: end -->"
@@ -77,20 +78,36 @@ def write_pages(root):
     return written
 
 
+def sections_of(block):
+    """{name: lines} of the verifications whose tables a block of a page has."""
+    sections, name = {}, None
+    for line in block.splitlines():
+        if line.startswith("### "):
+            name = line[4:].split(":")[0]
+            sections[name] = [""]
+        if name is not None:
+            sections[name].append(line)
+    return {name: lines[:-1] if lines[-1] == "" else lines for name, lines in sections.items()}
+
+
 def write_page(page, results):
+    """Tables of `results` take their places by name; those of other verifications that still exist stay."""
     text = page.read_text()
     if BEGIN not in text or END not in text:
         raise UserError(f"{page.name} has lost the marks between which the table is written: {BEGIN} and {END}.")
-    lines = []
+    before, rest = text.split(BEGIN)
+    block, after = rest.split(END)
+    known = known_verifications()
+    sections = {name: lines for name, lines in sections_of(block).items() if name in known}
     for path, result in results:
         if not path.with_suffix(".png").exists():
             raise UserError(f"{shown(path)} is of a quick run without a picture: run `undertow verify {result['name']}` first.")
         images = TOP / "docs" / "images" / f"verify_{result.get('solver', 'sph')}"
         images.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path.with_suffix(".png"), images / f"{result['name']}.png")
-        lines += section(result)
-    before, rest = text.split(BEGIN)
-    page.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])
+        sections[result["name"]] = section(result)
+    lines = [line for name in sorted(sections) for line in sections[name]]
+    page.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after)
 
 
 def section(result):
