@@ -42,6 +42,12 @@ std::vector<std::string> history_columns(const Structure& structure) {
     for (const Support& support : model.supports)
         for (const char* d : {"rx", "ry", "rz"})
             columns.push_back("support " + support.name + "." + d + " [N]");
+    for (const PrescribedMotion& motion : model.motions) {
+        const std::string name = "motion " + motion.name();
+        for (const char* d : {".ux [m]", ".uy [m]", ".uz [m]", ".angle [rad]", ".fx [N]", ".fy [N]",
+                              ".fz [N]", ".mx [N m]", ".my [N m]", ".mz [N m]"})
+            columns.push_back(name + d);
+    }
     if (structure.elements().any_plastic()) columns.push_back("yielding elements");
     for (const RigidSet& body : model.rigid) {
         for (const char* d : {"ux", "uy", "uz"}) columns.push_back(body.name + "." + d + " [m]");
@@ -64,6 +70,10 @@ std::vector<std::string> history_notes(const Model& model) {
     std::vector<std::string> notes{
         "probes: displacement and velocity of the node nearest to the point at the start",
         "support: force of the support on the structure, unfiltered"};
+    if (!model.motions.empty())
+        notes.push_back(
+            "motion: how far it has gone; force that it takes and its moment, about the center of "
+            "turning, of a rigid body about its center of mass, inertia included, unfiltered");
     if (!model.rigid.empty()) {
         notes.push_back(
             "rigid bodies: displacement of the center of mass, rotation vector; forces on the body "
@@ -165,6 +175,14 @@ void Output::write_rows(double t, const Structure& structure) {
     for (const Support& support : structure.model().supports) {
         const Vec3 r = structure.reaction(support);
         row_.insert(row_.end(), r.begin(), r.end());
+    }
+    for (const PrescribedMotion& motion : structure.motions()) {
+        const MotionLaw::Place& place = motion.place();
+        const Wrench& force = motion.force();
+        row_.insert(row_.end(), place.shift.begin(), place.shift.end());
+        row_.push_back(place.angle);
+        row_.insert(row_.end(), force.force.begin(), force.force.end());
+        row_.insert(row_.end(), force.moment.begin(), force.moment.end());
     }
     if (structure.elements().any_plastic()) row_.push_back(double(structure.yielding_elements()));
     write_bodies(structure);

@@ -44,6 +44,7 @@ Settlement settle(Structure& structure, const FemSettle& settings) {
     const double start = wall_clock();
     double last_log = start, kinetic_before = 0;
     Goal goal{settings.tolerance, 0};
+    structure.rest_motions();
     Settlement report;
     Residual left;
     for (;; ++report.steps) {

@@ -48,6 +48,7 @@ Structure::Structure(Model model, int threads)
         faces_ = ShellFaces(model_.surface, *elements_.turning_nodes());
         faces_.follow(nodes_.x);
     }
+    for (const PrescribedMotion& motion : model_.motions) motion.hold(nodes_);
     model_.far_field.hold(nodes_);
     for (const InitialStress& s : model_.initial_stress) elements_.set_stress(s.element, s.stress);
     if (!model_.rigid.empty()) is_rigid_.assign(nodes_.size(), 0);
@@ -147,6 +148,7 @@ void Structure::internal_forces() {
 }
 
 void Structure::pressure_forces(double t) {
+    t_ = t;
     for (PressureLoad& pressure : model_.pressures) {
         pressure.evaluate(t, nodes_.x);
         pressure.load.add_to(nodes_.f);
@@ -197,15 +199,30 @@ void Structure::kick(double dt) {
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
+    if (!motions_rest_)
+        for (PrescribedMotion& motion : model_.motions) motion.before_kick(nodes_);
     if (implicit_) implicit_->before_kick(*elements_.implicit(), nodes_, step);
     kick_ = fem::kick(nodes_, step, threads_);
     if (implicit_) implicit_->after_kick(nodes_, step, kick_);
     model_.far_field.after_kick(nodes_, step, kick_);
+    if (!motions_rest_)
+        for (PrescribedMotion& motion : model_.motions)
+            motion.after_kick(nodes_, step, t_, kick_);
     kick_ += elements_.kick(step, threads_);
-    for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
+    kick_bodies(step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
     kick_span_ = 0.5 * (dt_ + dt);
+}
+
+void Structure::kick_bodies(const Kick& step) {
+    if (!motions_rest_)
+        for (PrescribedMotion& motion : model_.motions)
+            if (motion.body() >= 0) motion.drive(bodies_[motion.body()], t_, step.dt_after);
+    for (RigidBody& body : bodies_) kick_ += body.kick(nodes_, step);
+    if (motions_rest_) return;
+    for (PrescribedMotion& motion : model_.motions)
+        if (motion.body() >= 0) motion.read_force(bodies_[motion.body()], step);
 }
 
 void Structure::drift(double dt) {
@@ -220,12 +237,18 @@ void Structure::drift(double dt) {
     elements_.drift(dt, threads_);
     if (!faces_.empty()) faces_.follow(nodes_.x);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
+    if (!motions_rest_)
+        for (PrescribedMotion& motion : model_.motions) motion.drift();
     dt_ = dt;
 }
 
 void Structure::hold() {
     elements_.hold();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
+}
+
+void Structure::rest_motions() {
+    motions_rest_ = true;
 }
 
 void Structure::stop() {
@@ -236,6 +259,8 @@ void Structure::stop() {
 }
 
 void Structure::count_from_here() {
+    motions_rest_ = false;
+    for (PrescribedMotion& motion : model_.motions) motion.reset_work();
     nodes_.x0 = nodes_.x;
     kick_ = {};
     strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
@@ -387,6 +412,7 @@ Energies Structure::energies() const {
     }
     for (const PressureLoad& pressure : model_.pressures) e.external += pressure.load.work;
     for (const TractionLoad& traction : model_.tractions) e.external += traction.load.work;
+    for (const PrescribedMotion& motion : model_.motions) e.external += motion.work();
     e.contact = contact_.work;
     return e;
 }
@@ -398,8 +424,10 @@ Vec3 Structure::velocity(std::int32_t node) const {
         const double a =
             im == 0 ? 0 : nodes_.f[node].c[d] * im + nodes_.weight_share[node] * model_.gravity[d];
         const double v_half = nodes_.v[node].c[d];
-        // v^n = v^{n+1/2} - a' span/2, a' = a - alpha v^n
-        v[d] = (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
+        // v^n = v^{n+1/2} - a' span/2, a' = a - alpha v^n; what is held, told or rigid is not damped
+        // as a node
+        v[d] = im == 0 ? v_half
+                       : (v_half - 0.5 * kick_span_ * a) / (1 - 0.5 * kick_span_ * model_.damping);
     }
     return v;
 }

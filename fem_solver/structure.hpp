@@ -29,7 +29,8 @@ struct Energies {
     double bulk_viscosity = 0;  // dissipated
     double damping = 0;         // dissipated by Rayleigh damping
     double far_field = 0;       // dissipated by the absorbing boundary
-    double external = 0;        // done by weight, pressure, static water, the far field's reaction
+    double external = 0;        // done by weight, pressure, motions that are told, static
+                                // water, the far field's reaction
     double contact = 0;         // done by the contact forces of the coupler
     double pair_springs = 0;    // stored in contact inside the mesh
     double pair_friction = 0;   // dissipated there by slip
@@ -82,6 +83,9 @@ class Structure {
     void observe_still_water(double dt);
     void let_go();
 
+    /// Prescribed motions wait, as at t = 0, until count_from_here(): while equilibrium is found.
+    void rest_motions();
+
     /// For finding equilibrium. stop(): ends all motion at n, between internal_forces and kick;
     /// the next kick starts from rest. count_from_here(): displacements, energies and the motion
     /// and contact forces of rigid bodies count from this state.
@@ -124,6 +128,7 @@ class Structure {
     const ElementsReport& report() const { return report_; }
     std::int64_t yielding_elements() const { return std::int64_t(report_.yielding); }
     const std::vector<RigidBody>& bodies() const { return bodies_; }
+    const std::vector<PrescribedMotion>& motions() const { return model_.motions; }
     const std::vector<ContactPair>& pairs() const { return pairs_; }
     /// None when every part is explicit.
     const ImplicitParts* implicit() const { return implicit_.get(); }
@@ -138,6 +143,7 @@ class Structure {
     void make_pairs();
     ContactBudget budget_of(const ContactSet& set) const;
     void pair_forces();
+    void kick_bodies(const Kick& step);
 
     Model model_;
     Elements elements_;
@@ -150,6 +156,8 @@ class Structure {
     std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies
     int threads_;
 
+    double t_ = 0;          // [s] of n, as pressure_forces() was told
+    bool motions_rest_ = false;
     double dt_ = 0;         // [s] of the last step; 0 at the start
     double kick_span_ = 0;  // [s] of the last kick
     ElementsReport report_;

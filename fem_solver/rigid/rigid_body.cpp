@@ -43,6 +43,8 @@ struct RigidBody::State {
     Vector L = Vector::Zero(), w = Vector::Zero();  // [kg m2/s], [rad/s]
     Matrix step_turn = Matrix::Zero();  // (exp(dt w) - I)/dt [1/s]: velocities by chords
     Vector contact_force = Vector::Zero(), contact_moment = Vector::Zero();
+    Vector driven_v = Vector::Zero(), driven_w = Vector::Zero();  // [m/s], [rad/s] as told
+    Driven driven;
 
     Vector center_from, contact_force_from = Vector::Zero(), contact_moment_from = Vector::Zero();
     Eigen::Quaterniond turned_from = Eigen::Quaterniond::Identity();
@@ -73,7 +75,45 @@ struct RigidBody::State {
         return speed;
     }
     Vector weight_point() const { return center + turned * weight_arm; }
+    bool is_driven() const {
+        return set.driven[0] || set.driven[1] || set.driven[2] || set.turn_driven;
+    }
+    void follow_drive(double dt);
+    void find_drive(const Wrench& pull, const Vector& v_old, const Vector& L_old,
+                    const Vector& w_old, const Kick& step, double span);
 };
+
+/// Velocities in the directions that are told, instead of those of the forces.
+void RigidBody::State::follow_drive(double dt) {
+    for (int d = 0; d < 3; ++d)
+        if (set.driven[d]) v[d] = driven_v[d];
+    if (!set.turn_driven) return;
+    w = driven_w;
+    L = inertia_at(rotation_matrix(0.5 * dt * w) * turned.toRotationMatrix()) * w;
+}
+
+/// m dv/s + alpha m v - F, and the same of the turning, in the directions that are told.
+void RigidBody::State::find_drive(const Wrench& pull, const Vector& v_old, const Vector& L_old,
+                                  const Vector& w_old, const Kick& step, double span) {
+    driven = {};
+    for (int d = 0; d < 3; ++d) {
+        if (set.driven[d]) {
+            const double f = mass * ((v[d] - v_old[d]) / span +
+                                     0.5 * step.damping * (v[d] + v_old[d])) -
+                             pull.force[d];
+            driven.force.force[d] = f;
+            driven.power_before += f * v_old[d];
+            driven.power_after += f * v[d];
+        }
+        if (set.turn_driven) {
+            const double m = (L[d] - L_old[d]) / span + 0.5 * step.damping * (L[d] + L_old[d]) -
+                             pull.moment[d];
+            driven.force.moment[d] = m;
+            driven.power_before += m * w_old[d];
+            driven.power_after += m * w[d];
+        }
+    }
+}
 
 RigidBody::RigidBody(RigidSet set, Nodes& nodes) : s_(std::make_unique<State>()) {
     State& s = *s_;
@@ -123,14 +163,20 @@ Wrench RigidBody::load(const Nodes& nodes) const {
     return {array(force), array(moment)};
 }
 
-Wrench RigidBody::unbalanced(const Nodes& nodes, const Vec3& gravity) const {
+Wrench RigidBody::pull(const Nodes& nodes, const Vec3& gravity) const {
     const State& s = *s_;
     const Wrench nodal = load(nodes);
     const Vector weight = s.set.weight_mass * vector(gravity);
     const Vector force = vector(nodal.force) + s.contact_force + weight;
     const Vector moment =
         vector(nodal.moment) + s.contact_moment + (s.weight_point() - s.center).cross(weight);
-    return {array(s.free_move.cwiseProduct(force)), array(s.free_turn.cwiseProduct(moment))};
+    return {array(force), array(moment)};
+}
+
+Wrench RigidBody::unbalanced(const Nodes& nodes, const Vec3& gravity) const {
+    const Wrench all = pull(nodes, gravity);
+    return {array(s_->free_move.cwiseProduct(vector(all.force))),
+            array(s_->free_turn.cwiseProduct(vector(all.moment)))};
 }
 
 void RigidBody::rest_nodes(Nodes& nodes) const {
@@ -141,11 +187,17 @@ KickReport RigidBody::kick(Nodes& nodes, const Kick& step) {
     State& s = *s_;
     const double span = 0.5 * (step.dt_before + step.dt_after);
     const double keep = 1 - 0.5 * step.damping * span, divide = 1 / (1 + 0.5 * step.damping * span);
-    const Wrench pull = unbalanced(nodes, step.gravity);
+    const Wrench all = pull(nodes, step.gravity);
+    const Vector force = s.free_move.cwiseProduct(vector(all.force));
+    const Vector moment = s.free_turn.cwiseProduct(vector(all.moment));
     const Vector v_old = s.v, L_old = s.L, w_old = s.w;
-    s.v = (keep * v_old + span / s.mass * vector(pull.force)) * divide;
-    s.L = (keep * L_old + span * vector(pull.moment)) * divide;
+    s.v = (keep * v_old + span / s.mass * force) * divide;
+    s.L = (keep * L_old + span * moment) * divide;
     s.w = s.turning_speed(step.dt_after);
+    if (s.is_driven()) {
+        s.follow_drive(step.dt_after);
+        s.find_drive(all, v_old, L_old, w_old, step, span);
+    }
     // chords: (R^{n+1} - R^n) X / dt, without the cancellation
     s.step_turn = step.dt_after > 0 ? Matrix(rotation_less_one(step.dt_after * s.w) / step.dt_after)
                                     : cross_matrix(s.w);
@@ -172,7 +224,17 @@ void RigidBody::drift(Nodes& nodes, double dt) {
         put(nodes.x[s.set.nodes[i]], s.center + R * s.frame[i]);
 }
 
+void RigidBody::drive(const Vec3& v, const Vec3& w) {
+    s_->driven_v = vector(v);
+    s_->driven_w = vector(w);
+}
+
+const RigidBody::Driven& RigidBody::driven() const {
+    return s_->driven;
+}
+
 void RigidBody::stop(Nodes& nodes) {
+    s_->driven_v = s_->driven_w = Vector::Zero();
     s_->v = s_->L = s_->w = Vector::Zero();
     s_->step_turn = Matrix::Zero();
     rest_nodes(nodes);
@@ -234,6 +296,9 @@ double RigidBody::mass() const {
 }
 Vec3 RigidBody::center() const {
     return array(s_->center);
+}
+Vec3 RigidBody::center_at_start() const {
+    return array(s_->center_from);
 }
 Vec3 RigidBody::displacement() const {
     return array(s_->center - s_->center_from);

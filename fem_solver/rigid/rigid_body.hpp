@@ -46,6 +46,15 @@ class RigidBody {
     KickReport kick(Nodes& nodes, const Kick& step);
     /// Places the nodes; after the nodal drift, which moved them by dt v.
     void drift(Nodes& nodes, double dt);
+    /// Motion that is told, in the directions that the set names as driven: velocity of the center
+    /// [m/s] and angular velocity [rad/s] of the step that begins; before its kick.
+    void drive(const Vec3& v, const Vec3& w);
+    /// What drives it, found in the last kick.
+    struct Driven {
+        Wrench force;                              // about the center
+        double power_before = 0, power_after = 0;  // [W] with the velocities before and after n
+    };
+    const Driven& driven() const;
     /// Ends all motion.
     void stop(Nodes& nodes);
     /// From here on displacement, rotation, work of the weight and contact() count from now.
@@ -54,6 +63,7 @@ class RigidBody {
     const RigidSet& set() const;
     double mass() const;                    // [kg] with what was added
     Vec3 center() const;                    // [m] of mass, now
+    Vec3 center_at_start() const;           // [m] from where displacements count
     Vec3 displacement() const;              // [m] of the center
     Vec3 rotation() const;                  // [rad] rotation vector
     Vec3 velocity() const;                  // [m/s] of the center, v^{n-1/2} or v^{n+1/2}
@@ -70,6 +80,8 @@ class RigidBody {
     double omega2_on_springs(const std::vector<Vec3>& x, const std::vector<double>& k) const;
 
  private:
+    Wrench pull(const Nodes& nodes, const Vec3& gravity) const;
+
     struct State;
     std::unique_ptr<State> s_;
 };

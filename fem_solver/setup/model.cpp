@@ -11,6 +11,7 @@
 #include "fem_solver/setup/gmsh_mesh.hpp"
 #include "fem_solver/setup/immobile.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
+#include "fem_solver/setup/motions.hpp"
 #include "fem_solver/setup/rigid_sets.hpp"
 #include "wire/errors.hpp"
 
@@ -166,6 +167,7 @@ Model build_model(const Case& c, Mesh mesh) {
     model.mesh = std::move(mesh);
     model.parts = make_parts(c.fem, model.mesh);
     model.rigid = take_rigid_sets(c, model.mesh, model.parts);
+    model.motions = make_motions(c, model.mesh, model.rigid);
     model.contacts = make_contact_sets(c, model.mesh, model.rigid);
     if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
     model.max_step = c.time.max_step;
@@ -180,6 +182,7 @@ Model build_model(const Case& c, Mesh mesh) {
         model.supports.push_back(std::move(plane));
     }
     leave_rigid_nodes(model.supports, model.rigid);
+    check_motions(c, model);
     check_immobile(c.fem, model.mesh);
     for (const FemPressure& p : c.fem.pressure)
         model.pressures.emplace_back(model.mesh.facets_of(p.set, "fem.pressure"), p.value, p.ramp);

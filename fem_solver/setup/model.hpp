@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "fem_solver/boundary/prescribed_motion.hpp"
 #include "fem_solver/boundary/pressure.hpp"
 #include "fem_solver/boundary/traction.hpp"
 #include "fem_solver/contact_pairs/contact_set.hpp"
@@ -45,6 +46,7 @@ struct Model {
     std::vector<Support> supports;
     std::vector<PressureLoad> pressures;
     std::vector<TractionLoad> tractions;
+    std::vector<PrescribedMotion> motions;
     CoupledSurface surface;
     std::vector<InitialStress> initial_stress;
     AbsorbingBoundary far_field;

@@ -133,7 +133,8 @@ void leave_rigid_nodes(std::vector<Support>& supports, const std::vector<RigidSe
             for (int d = 0; d < 3; ++d) {
                 // turning about either of the other axes moves a node along d
                 const bool moves =
-                    body.free[d] || body.free[3 + (d + 1) % 3] || body.free[3 + (d + 2) % 3];
+                    body.free[d] || body.free[3 + (d + 1) % 3] || body.free[3 + (d + 2) % 3] ||
+                    body.driven[d] || body.turn_driven;
                 if (support.fixed[d] && moves)
                     throw InputError(
                         "fem.support \"" + support.name + "\" fixes " + freedom[d] +

@@ -325,6 +325,25 @@ struct FemRigid {                        // [[fem.rigid]] elements that move as 
     Vec3 added_at{};                     // [m] its center
 };
 
+/// Nodes, or a rigid body, that move as they are told, and the force that takes. The laws are those
+/// of [[sph.body]].
+struct FemMotion {                       // [[fem.motion]]
+    std::string name;                    // of its columns
+    std::string set;                     // node, facet or volume set, or
+    std::string rigid;                   // the name of a [[fem.rigid]]
+    std::vector<std::string> directions{"x", "y", "z"};  // that are told; others stay as they are
+    Vec3 velocity{};                     // [m/s] from start to stop, or
+    double start = 0;                    // [s]
+    double stop = std::numeric_limits<double>::infinity();   // [s]
+    std::vector<Expression> displacement;  // [m] three formulas of t or numbers, or
+    std::string motion;                  // CSV of t, x, y, z and, if it turns, angle [s, m, rad]
+    double ramp = 0;                     // [s] velocity: rises (from start on) and falls (from stop on)
+                                         // smoothly; displacement and angle: times a smooth rise from 0
+    std::optional<Expression> angle;     // [rad] formula of t: all nodes turn as one
+    Vec3 axis{0, 1, 0};                  // about this direction
+    Vec3 center{};                       // [m] through this point, which moves along
+};
+
 struct FemContact {                      // [[fem.contact]] contact inside the mesh
     std::string name;
     std::string nodes;                   // facet set whose nodes are kept out of
@@ -360,6 +379,7 @@ struct FemSettings {
     std::optional<FemSettle> settle;
     std::vector<FemAbsorbing> absorbing;
     std::vector<FemRigid> rigid;
+    std::vector<FemMotion> motion;
     std::vector<FemContact> contact;
     std::vector<FemProbe> probe;
 };

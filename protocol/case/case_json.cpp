@@ -276,6 +276,19 @@ void to_json(Json& j, const FemContact& v) {
     j = {{"name", v.name},         {"nodes", v.nodes},         {"surface", v.surface},
          {"friction", v.friction}, {"max_shear", v.max_shear}, {"gap", v.gap}};
 }
+void to_json(Json& j, const FemMotion& v) {
+    j = {{"name", v.name},         {"set", v.set},     {"rigid", v.rigid},
+         {"directions", v.directions}, {"ramp", v.ramp}};
+    if (!v.displacement.empty()) {
+        j["displacement"] = texts(v.displacement);
+    } else if (!v.motion.empty()) {
+        j["motion"] = v.motion;
+    } else {
+        j["velocity"] = v.velocity, j["start"] = v.start, j["stop"] = number(v.stop);
+    }
+    if (v.angle) j["angle"] = v.angle->text();
+    if (v.angle || !v.motion.empty()) j["axis"] = v.axis, j["center"] = v.center;
+}
 void to_json(Json& j, const FemProbe& v) {
     j = {{"name", v.name}, {"point", v.point}};
 }
@@ -299,6 +312,7 @@ void to_json(Json& j, const FemSettings& v) {
          {"settle", v.settle ? Json(*v.settle) : Json(nullptr)},
          {"absorbing", v.absorbing},
          {"rigid", v.rigid},
+         {"motion", v.motion},
          {"contact", v.contact},
          {"probe", v.probe}};
 }

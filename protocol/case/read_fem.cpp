@@ -4,20 +4,14 @@
 #include <cmath>
 #include <filesystem>
 
+#include "case/fem_sections.hpp"
 #include "case/sections.hpp"
 
 namespace undertow {
 
-namespace {
-
 const std::vector<std::string> block_facets{"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
+const std::vector<std::string> block_sets{"xmin", "xmax", "ymin", "ymax", "zmin", "zmax", "block"};
 
-std::vector<std::string> with(std::vector<std::string> names, const char* more) {
-    names.emplace_back(more);
-    return names;
-}
-
-/// A set's name. Those of a block are known here; those of a mesh file only to the FEM solver.
 void read_set(TableReader& reader, std::string& set, const FemSettings& fem,
               const std::vector<std::string>& of_block) {
     reader.require("set", "the name of a set of the mesh");
@@ -26,6 +20,8 @@ void read_set(TableReader& reader, std::string& set, const FemSettings& fem,
     else
         reader.text("set", set);
 }
+
+namespace {
 
 /// Smallest box about the corners.
 Box box_about(const std::vector<Vec3>& corners) {
@@ -222,7 +218,7 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
     });
     reader.tables("support", [&](TableReader& entry) {
         FemSupport& support = fem.support.emplace_back();
-        read_set(entry, support.set, fem, with(block_facets, "block"));
+        read_set(entry, support.set, fem, block_sets);
         entry.require("fix", "a list of \"x\", \"y\", \"z\", and of shells \"rx\", \"ry\", \"rz\", "
                              "\"clamp\"");
         entry.words("fix", support.fix, {"x", "y", "z", "rx", "ry", "rz", "clamp"});
@@ -251,6 +247,9 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
     read_ground(reader, fem);
     reader.tables("rigid",
                   [&](TableReader& entry) { read_rigid(entry, fem.rigid.emplace_back(), fem); });
+    reader.tables("motion", [&](TableReader& entry) {
+        read_fem_motion(entry, fem.motion.emplace_back(), fem, info);
+    });
     reader.tables("contact",
                   [&](TableReader& entry) { read_contact(entry, fem.contact.emplace_back()); });
     reader.tables("probe", [&](TableReader& entry) {

@@ -1,6 +1,6 @@
 // The spline through a table of positions.
 
-#include <fmt/format.h>
+#include "case/motion_table.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -8,18 +8,16 @@
 #include <fstream>
 #include <sstream>
 
-#include "sph_solver/boundary/rigid_motion.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
-namespace undertow::sph {
+namespace undertow {
 
 MotionTable::MotionTable(const std::string& path, double t_end, const std::string& where) {
     std::ifstream file(path);
     if (!file)
-        throw InputError(
-            fmt::format("{}: motion = \"{}\" could not be opened; the path is relative "
-                        "to the case file.",
-                        where, path));
+        throw InputError(where + ": motion = \"" + path +
+                         "\" could not be opened; the path is relative to the case file.");
     std::string line;
     for (int number = 1; std::getline(file, line); ++number) {
         const auto first = line.find_first_not_of(" \t\r\"");
@@ -32,22 +30,20 @@ MotionTable::MotionTable(const std::string& path, double t_end, const std::strin
         for (double value; words >> value;) row.push_back(value);
         const bool whole = words.eof() && (row.size() == 4 || row.size() == 5);
         if (!whole)
-            throw InputError(
-                fmt::format("{}: {}:{}: \"{}\" is not a row of t [s], x, y, z [m] and, "
-                            "if the body turns, angle [rad].",
-                            where, path, number, line));
+            throw InputError(where + ": " + path + ":" + std::to_string(number) + ": \"" + line +
+                             "\" is not a row of t [s], x, y, z [m] and, if the body turns, "
+                             "angle [rad].");
         if (!t_.empty() && !(row[0] > t_.back()))
-            throw InputError(
-                fmt::format("{}: {}:{}: t = {:.6g} s must be > {:.6g} s, that of the row "
-                            "before: times must rise.",
-                            where, path, number, row[0], t_.back()));
+            throw InputError(where + ": " + path + ":" + std::to_string(number) + ": t = " +
+                             number_text(row[0]) + " s must be > " + number_text(t_.back()) +
+                             " s, that of the row before: times must rise.");
         t_.push_back(row[0]);
         for (int c = 0; c < channels; ++c)
             x_[c].push_back(c + 1 < static_cast<int>(row.size()) ? row[c + 1] : 0);
     }
     if (t_.size() < 2)
-        throw InputError(fmt::format("{}: \"{}\" has {} row of a motion; it takes two at least.",
-                                     where, path, t_.size()));
+        throw InputError(where + ": \"" + path + "\" has " + std::to_string(t_.size()) +
+                         " row of a motion; it takes two at least.");
     for (int c = 0; c < channels; ++c) find_curvature(c, t_.front() > 0, t_.back() < t_end);
 }
 
@@ -74,6 +70,10 @@ void MotionTable::find_curvature(int channel, bool rest_first, bool rest_last) {
     for (std::size_t k = n - 1; k-- > 0;) m[k] -= upper[k] * m[k + 1];
 }
 
+bool MotionTable::has_angle() const {
+    return std::any_of(x_[3].begin(), x_[3].end(), [](double angle) { return angle != 0; });
+}
+
 MotionTable::Value MotionTable::operator()(int channel, double t) const {
     const std::vector<double>&x = x_[channel], &m = curvature_[channel];
     if (t <= t_.front() && t_.front() > 0) return {x.front(), 0, 0};
@@ -90,4 +90,4 @@ MotionTable::Value MotionTable::operator()(int channel, double t) const {
         a * m[k] + b * m[k + 1]};
 }
 
-}  // namespace undertow::sph
+}  // namespace undertow

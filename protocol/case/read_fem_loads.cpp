@@ -1,0 +1,115 @@
+// Of [fem]: motions that are told.
+
+#include <algorithm>
+#include <cmath>
+
+#include "case/fem_sections.hpp"
+#include "wire/number_text.hpp"
+
+namespace undertow {
+
+namespace {
+
+/// velocity, displacement or motion; `angle`.
+void read_law(TableReader& reader, FemMotion& motion) {
+    reader.vector("velocity", motion.velocity, "m/s");
+    reader.number("start", motion.start, at_least(0, "s"));
+    Range stop = at_least(0, "s");
+    stop.infinite = true;
+    reader.number("stop", motion.stop, stop);
+    reader.number("ramp", motion.ramp, at_least(0, "s"));
+    Vec3 constant{};
+    reader.vector("displacement", constant, motion.displacement, "t", "m");
+    if (reader.has("displacement") && motion.displacement.empty())
+        for (const double u : constant)
+            motion.displacement.emplace_back(number_text(u, 17), "t",
+                                             reader.path() + ".displacement");
+    reader.text("motion", motion.motion);
+    reader.formula("angle", motion.angle, "t", "rad");
+    reader.direction("axis", motion.axis);
+    reader.vector("center", motion.center, "m");
+}
+
+void check_one_law(TableReader& reader, const FemMotion& motion) {
+    const int laws = reader.has("velocity") + reader.has("displacement") + reader.has("motion");
+    if (laws == 0 && !motion.angle)
+        reader.reject("velocity",
+                      "is missing: give velocity, displacement (numbers or formulas of t), a table "
+                      "as motion, or angle. To hold nodes where they are use [[fem.support]].");
+    if (laws > 1)
+        reader.reject(reader.has("motion") ? "motion" : "displacement",
+                      "is one law too many: velocity, displacement and motion exclude each other.");
+    for (const char* key : {"start", "stop"})
+        if (reader.has(key) && !reader.has("velocity"))
+            reader.reject(key,
+                          "has no effect: it belongs to velocity; a formula or a table says "
+                          "itself when it moves.");
+    if (motion.stop < motion.start + motion.ramp)
+        reader.reject("stop", "is not allowed: it must be >= start + ramp, " +
+                                  number_text(motion.start + motion.ramp) + " s.");
+    if (reader.has("motion") && reader.has("angle"))
+        reader.reject("angle", "is one law too many: a motion file may have a column for it.");
+    if (reader.has("motion") && reader.has("ramp"))
+        reader.reject("ramp", "has no effect on a table, which says itself how it begins.");
+    for (const char* key : {"axis", "center"})
+        if (reader.has(key) && !reader.has("angle") && !reader.has("motion"))
+            reader.reject(key, "has no effect: give angle, or a motion file that has one.");
+}
+
+/// Where it begins nothing has moved yet: a jump would be an infinite velocity.
+void check_start(TableReader& reader, const FemMotion& motion) {
+    if (motion.ramp > 0) return;
+    const auto check = [&](const char* key, const Expression& formula, const char* unit) {
+        const double value = formula(0, 0, 0, 0);
+        if (value != 0)
+            reader.reject(key, "is " + number_text(value) + " " + unit +
+                                   " at t = 0: the motion starts from the mesh, so it must be 0 "
+                                   "there; give ramp, in which it rises smoothly.");
+    };
+    for (const Expression& formula : motion.displacement) check("displacement", formula, "m");
+    if (motion.angle) check("angle", *motion.angle, "rad");
+}
+
+void check_plane(TableReader& reader, FemMotion& motion, const CaseInfo& info) {
+    if (info.dimension != 2) return;
+    if (!reader.has("directions")) motion.directions = {"x", "z"};
+    for (const std::string& direction : motion.directions)
+        if (direction == "y")
+            reader.reject("directions",
+                          "holds \"y\", but a 2D case does not move out of its plane.");
+    if (motion.velocity[1] != 0 ||
+        (!motion.displacement.empty() && motion.displacement[1].text() != "0"))
+        reader.reject(reader.has("velocity") ? "velocity" : "displacement",
+                      "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
+    if (motion.axis[0] != 0 || motion.axis[2] != 0)
+        reader.reject("axis", "is not allowed: in a 2D case things turn about y, [0, 1, 0].");
+}
+
+}  // namespace
+
+void read_fem_motion(TableReader& reader, FemMotion& motion, const FemSettings& fem,
+                     const CaseInfo& info) {
+    reader.require("name", "a word for its columns");
+    reader.text("name", motion.name);
+    std::vector<std::string> bodies;
+    for (const FemRigid& body : fem.rigid) bodies.push_back(body.name);
+    if (reader.has("rigid")) {
+        if (bodies.empty())
+            reader.reject("rigid", "names a rigid body, but the case has no [[fem.rigid]].");
+        reader.word("rigid", motion.rigid, bodies);
+        if (reader.has("set"))
+            reader.reject("set", "is one thing too many: give set or rigid, not both.");
+    } else {
+        reader.text("rigid", motion.rigid);  // known, for what finish() says
+        read_set(reader, motion.set, fem, block_sets);
+    }
+    read_law(reader, motion);
+    check_one_law(reader, motion);
+    check_start(reader, motion);
+    reader.words("directions", motion.directions, {"x", "y", "z"});
+    check_plane(reader, motion, info);
+    if (reader.has("directions") && motion.angle)
+        reader.reject("directions", "has no effect with angle, which tells all directions.");
+}
+
+}  // namespace undertow
