@@ -38,7 +38,13 @@ class GmshFile {
     void read_names();
     void read_entities();
     void read_nodes();
+    void read_nodes_2();
     void read_elements();
+    void read_elements_2();
+    void add_node(std::int64_t tag);
+    int corners_of_type(std::int64_t type) const;
+    void add_element(int dimension, std::int64_t type, std::int64_t tag, const std::int32_t* n,
+                     const std::vector<std::int64_t>& groups);
     void add_quad(const FileFacet& quad, const std::vector<std::int64_t>& groups);
     void number_elements();
     void orient_facets();
@@ -61,6 +67,7 @@ class GmshFile {
     }
 
     MeshWords words_;
+    bool version_2_ = false;             // 2.2, otherwise 4.1
     std::vector<std::string> immobile_;  // facet sets without elements
     std::vector<std::string> shells_;    // groups of surfaces whose quads are elements
     Mesh mesh_;
@@ -75,11 +82,12 @@ class GmshFile {
 
 void GmshFile::read_format() {
     const std::string version(words_.next());
-    if (version != "4.1")
+    version_2_ = version == "2.2";
+    if (version != "4.1" && !version_2_)
         words_.fail("Gmsh format " + version +
-                    " is not read; save as version 4.1 ASCII (Mesh.MshFileVersion = 4.1)");
+                    " is not read; save as version 4.1 or 2.2 ASCII (Mesh.MshFileVersion = 4.1)");
     if (words_.integer() != 0)
-        words_.fail("a binary .msh is not read; save as version 4.1 ASCII (Mesh.Binary = 0)");
+        words_.fail("a binary .msh is not read; save it as ASCII (Mesh.Binary = 0)");
     words_.integer();  // size of the writer's size_t
     words_.expect("$EndMeshFormat");
 }
@@ -110,6 +118,22 @@ void GmshFile::read_entities() {
     words_.expect("$EndEntities");
 }
 
+void GmshFile::add_node(std::int64_t tag) {
+    if (!node_of_tag_.emplace(tag, std::int32_t(mesh_.x.size())).second)
+        words_.fail("node " + std::to_string(tag) + " is defined twice");
+    Vec3 x;
+    for (double& c : x) c = words_.number<double>();
+    mesh_.x.push_back(x);
+}
+
+/// Version 2.2: a count, then tag x y z.
+void GmshFile::read_nodes_2() {
+    const std::size_t n = words_.count();
+    mesh_.x.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) add_node(words_.integer());
+    words_.expect("$EndNodes");
+}
+
 void GmshFile::read_nodes() {
     const std::size_t blocks = words_.count(), n = words_.count();
     words_.integer();  // smallest and largest tag
@@ -121,13 +145,7 @@ void GmshFile::read_nodes() {
         if (words_.integer() != 0) words_.fail("parametric nodes are not read");
         std::vector<std::int64_t> tags(words_.count());
         for (std::int64_t& tag : tags) tag = words_.integer();
-        for (std::int64_t tag : tags) {
-            if (!node_of_tag_.emplace(tag, std::int32_t(mesh_.x.size())).second)
-                words_.fail("node " + std::to_string(tag) + " is defined twice");
-            Vec3 x;
-            for (double& c : x) c = words_.number<double>();
-            mesh_.x.push_back(x);
-        }
+        for (std::int64_t tag : tags) add_node(tag);
     }
     if (mesh_.x.size() != n)
         words_.fail("$Nodes announces " + std::to_string(n) + " nodes and holds " +
@@ -172,48 +190,91 @@ ElementType element_type(std::int64_t type) {
     }
 }
 
+/// Nodes of an element of that type; refuses types that are not read.
+int GmshFile::corners_of_type(std::int64_t type) const {
+    const ElementType element = element_type(type);
+    if (element.nodes == 0)
+        words_.fail(std::string(element.name) + "s (Gmsh type " + std::to_string(type) +
+                    ") are not read; mesh with 8-node hexahedra (transfinite volumes or "
+                    "extrusion with Recombine) or 4-node tetrahedra, Mesh.ElementOrder = 1");
+    return element.nodes;
+}
+
 void GmshFile::read_elements() {
     const std::size_t blocks = words_.count();
     for (int k = 0; k < 3; ++k) words_.integer();  // number, smallest and largest tag
     for (std::size_t b = 0; b < blocks; ++b) {
         const int dimension = int(words_.integer());
         const std::int64_t entity = words_.integer(), type = words_.integer();
-        const ElementType element = element_type(type);
-        if (element.nodes == 0)
-            words_.fail(std::string(element.name) + "s (Gmsh type " + std::to_string(type) +
-                        ") are not read; mesh with 8-node hexahedra (transfinite volumes or "
-                        "extrusion with Recombine) or 4-node tetrahedra, Mesh.ElementOrder = 1");
+        const int corners = corners_of_type(type);
         const std::vector<std::int64_t>& groups = groups_[{dimension, entity}];
         for (std::size_t i = words_.count(); i > 0; --i) {
             const std::int64_t tag = words_.integer();
             std::int32_t n[8];
-            for (int k = 0; k < element.nodes; ++k) n[k] = node(words_.integer());
-            if (type == 5) {
-                for (std::int64_t g : groups)
-                    mesh_.volume_sets[group_name(3, g)].push_back(
-                        std::int32_t(mesh_.hexahedra.size()));
-                mesh_.hexahedra.push_back({n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]});
-                mesh_.element_tag.push_back(tag);
-            } else if (type == 4) {
-                for (std::int64_t g : groups)
-                    tetrahedron_sets_[group_name(3, g)].push_back(
-                        std::int32_t(mesh_.tetrahedra.size()));
-                mesh_.tetrahedra.push_back({n[0], n[1], n[2], n[3]});
-                tetrahedron_tag_.push_back(tag);
-            } else if (type == 3) {
-                add_quad({{n[0], n[1], n[2], n[3]}, tag}, groups);
-            } else if (type == 2) {
-                for (std::int64_t g : groups)
-                    facets_[group_name(2, g)].push_back({{n[0], n[1], n[2], n[2]}, tag});
-            } else {
-                for (std::int64_t g : groups) {
-                    auto& set = mesh_.node_sets[group_name(dimension, g)];
-                    set.insert(set.end(), n, n + element.nodes);
-                }
-            }
+            for (int k = 0; k < corners; ++k) n[k] = node(words_.integer());
+            add_element(dimension, type, tag, n, groups);
         }
     }
     words_.expect("$EndElements");
+}
+
+/// Version 2.2: a count, then tag, type, number of tags, physical group, other tags, nodes. An
+/// element of several groups stands in the file once for each.
+void GmshFile::read_elements_2() {
+    std::map<std::vector<std::int32_t>, std::int32_t> again;
+    const std::size_t count = words_.count();
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int64_t tag = words_.integer(), type = words_.integer();
+        const int corners = corners_of_type(type);
+        const std::size_t tags = words_.count();
+        if (tags == 0)
+            words_.fail("element " + std::to_string(tag) +
+                        " has no tags; save it with its physical group");
+        const std::int64_t group = words_.integer();
+        for (std::size_t k = 1; k < tags; ++k) words_.integer();
+        std::int32_t n[8];
+        for (int k = 0; k < corners; ++k) n[k] = node(words_.integer());
+        const int dimension = type == 15 ? 0 : type == 1 ? 1 : type <= 3 ? 2 : 3;
+        std::vector<std::int64_t> groups;
+        if (group != 0) groups.push_back(group);
+        if (dimension == 3) {  // once an element, whatever the number of its groups
+            const std::vector<std::int32_t> key(n, n + corners);
+            const auto found = again.find(key);
+            if (found != again.end()) {
+                auto& sets = type == 5 ? mesh_.volume_sets : tetrahedron_sets_;
+                for (std::int64_t g : groups) sets[group_name(3, g)].push_back(found->second);
+                continue;
+            }
+            again[key] = std::int32_t(type == 5 ? mesh_.hexahedra.size() : mesh_.tetrahedra.size());
+        }
+        add_element(dimension, type, tag, n, groups);
+    }
+    words_.expect("$EndElements");
+}
+
+void GmshFile::add_element(int dimension, std::int64_t type, std::int64_t tag,
+                           const std::int32_t* n, const std::vector<std::int64_t>& groups) {
+    if (type == 5) {
+        for (std::int64_t g : groups)
+            mesh_.volume_sets[group_name(3, g)].push_back(std::int32_t(mesh_.hexahedra.size()));
+        mesh_.hexahedra.push_back({n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]});
+        mesh_.element_tag.push_back(tag);
+    } else if (type == 4) {
+        for (std::int64_t g : groups)
+            tetrahedron_sets_[group_name(3, g)].push_back(std::int32_t(mesh_.tetrahedra.size()));
+        mesh_.tetrahedra.push_back({n[0], n[1], n[2], n[3]});
+        tetrahedron_tag_.push_back(tag);
+    } else if (type == 3) {
+        add_quad({{n[0], n[1], n[2], n[3]}, tag}, groups);
+    } else if (type == 2) {
+        for (std::int64_t g : groups)
+            facets_[group_name(2, g)].push_back({{n[0], n[1], n[2], n[2]}, tag});
+    } else {
+        for (std::int64_t g : groups) {
+            auto& set = mesh_.node_sets[group_name(dimension, g)];
+            set.insert(set.end(), n, n + (type == 1 ? 2 : 1));
+        }
+    }
 }
 
 /// A facet of every group it is in, and an element once if any of them is of shells.
@@ -311,10 +372,10 @@ Mesh GmshFile::read() {
         } else if (section == "Entities") {
             read_entities();
         } else if (section == "Nodes") {
-            read_nodes();
+            version_2_ ? read_nodes_2() : read_nodes();
             nodes = true;
         } else if (section == "Elements") {
-            read_elements();
+            version_2_ ? read_elements_2() : read_elements();
             elements = true;
         } else if (section == "PartitionedEntities") {
             words_.fail("a partitioned mesh is not read; save it unpartitioned");

@@ -1,5 +1,5 @@
 #pragma once
-// Reader of Gmsh's .msh format, version 4.1, ASCII.
+// Reader of Gmsh's .msh format, versions 4.1 and 2.2, ASCII.
 
 #include <string>
 #include <vector>

@@ -68,6 +68,41 @@ TEST_CASE("an inverted element is named, and so is one that collapsed") {
     CHECK_THROWS_AS(check_mesh(mesh), InputError);
 }
 
+// Version 2.2: a cube in two groups, hence twice in the file, a facet, an edge, a point.
+const char* const cubes_2_2 = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+5
+0 5 "tip"
+1 4 "edge"
+2 3 "roof"
+3 1 "cube"
+3 2 "all"
+$EndPhysicalNames
+$Nodes
+9
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0 0 1
+6 1 0 1
+7 1 1 1
+8 0 1 1
+50 7 7 7
+$EndNodes
+$Elements
+6
+1 15 2 5 1 8
+2 1 2 4 1 1 2
+3 3 2 3 1 8 7 6 5
+4 3 2 0 1 1 2 3 4
+17 5 2 1 1 1 2 3 4 5 6 7 8
+18 5 2 2 1 1 2 3 4 5 6 7 8
+$EndElements
+)";
+
 // Two unit cubes side by side along x, in two volumes; tags of nodes and elements have gaps.
 const char* const two_cubes = R"($MeshFormat
 4.1 0 8
@@ -150,6 +185,22 @@ struct GmshFolder {
 
 std::string with(std::string text, const std::string& what, const std::string& by) {
     return text.replace(text.find(what), what.size(), by);
+}
+
+TEST_CASE("a mesh of Gmsh 2.2 brings its sets, and an element of two groups once") {
+    const GmshFolder folder;
+    const Mesh mesh = read_gmsh(folder.write(cubes_2_2));
+    CHECK(mesh.hexahedra.size() == 1);
+    CHECK(mesh.element_tag == std::vector<std::int64_t>{17});
+    CHECK(mesh.x.size() == 8);  // the ninth is of nothing
+    CHECK(mesh.elements_of("cube", "test") == std::vector<std::int32_t>{0});
+    CHECK(mesh.elements_of("all", "test") == std::vector<std::int32_t>{0});
+    REQUIRE(mesh.facets_of("roof", "test").size() == 1);  // turned outward
+    CHECK(enclosed_volume(mesh, mesh.facets_of("roof", "test")) == Approx(1.0 / 3));
+    CHECK(mesh.nodes_of("edge", "test") == std::vector<std::int32_t>{0, 1});
+    CHECK(mesh.nodes_of("tip", "test") == std::vector<std::int32_t>{7});
+    CHECK(mesh.facet_sets.size() == 1);  // group 0 is none
+    check_mesh(mesh);
 }
 
 TEST_CASE("a Gmsh file brings nodes, elements and sets, its quads turned outward") {
@@ -299,8 +350,14 @@ TEST_CASE("a Gmsh file that cannot be used is refused with file, line and advice
         }
         return "";
     };
-    CHECK_THAT(message(with(two_cubes, "4.1 0 8", "2.2 0 8")),
+    CHECK_THAT(message(with(two_cubes, "4.1 0 8", "3.0 0 8")),
                Catch::Contains("mesh.msh:2") && Catch::Contains("2.2") && Catch::Contains("4.1"));
+    CHECK_THAT(message(with(cubes_2_2, "17 5 2 1 1", "17 5 0")),
+               Catch::Contains("mesh.msh:") && Catch::Contains("element 17 has no tags"));
+    CHECK_THAT(message(with(cubes_2_2, "15 2 5 1 8", "15 2 5 1 99")),
+               Catch::Contains("node 99 is not in $Nodes"));
+    CHECK_THAT(message(with(cubes_2_2, "17 5 2", "17 6 2")),
+               Catch::Contains("6-node prisms (Gmsh type 6) are not read"));
     CHECK_THAT(message(with(two_cubes, "4.1 0 8", "4.1 1 8")), Catch::Contains("binary"));
     CHECK_THAT(message(with(two_cubes, "3 1 5 1\n", "3 1 6 1\n")),
                Catch::Contains("mesh.msh:61") && Catch::Contains("prism"));
