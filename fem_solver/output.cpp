@@ -102,6 +102,7 @@ Output::Output(const std::string& folder, const Case& c, const Structure& struct
               energy_columns(structure)),
       history_(folder + "/fem.history.csv", history_notes(structure.model()),
                history_columns(structure)),
+      own_histories_(folder, c, structure),
       row_times_(c.output.history_every, c.time.end),
       settlement_(std::move(settlement)) {}
 
@@ -136,15 +137,22 @@ void Output::fields(double t, const Structure& structure) {
     }
     if (structure.elements().any_plastic())
         of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
-    mesh_.append(t, x, {{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}}, of_elements);
+    std::vector<Field> of_nodes{{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}};
+    std::vector<double> contact_pressure(structure.pairs().empty() ? 0 : n_nodes);
+    for (const ContactPair& pair : structure.pairs()) pair.add_pressure(contact_pressure);
+    if (!contact_pressure.empty())
+        of_nodes.push_back({"contact_pressure", "Pa", 1, contact_pressure});
+    mesh_.append(t, x, of_nodes, of_elements);
 }
 
 void Output::history(double t, const Structure& structure) {
     if (row_times_.due(t)) write_rows(t, structure);
+    own_histories_.write(t, structure);
 }
 
 void Output::last_history(double t, const Structure& structure) {
     if (t != last_row_) write_rows(t, structure);
+    own_histories_.write_last(t, structure);
     energy_.flush();
     history_.flush();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "fem_solver/history_files.hpp"
 #include "fem_solver/settle.hpp"
 #include "fem_solver/structure.hpp"
 #include "results/field_file.hpp"
@@ -48,6 +49,7 @@ class Output {
     std::string folder_;
     MeshFile mesh_;
     History energy_, history_;
+    HistoryFiles own_histories_;
     HistoryTimes row_times_;
     double last_row_ = -1, last_fields_ = -1;     // [s]
     double peak_energy_ = 0, worst_balance_ = 0;  // [J]

@@ -139,6 +139,8 @@ void Structure::find_frequency() {
 
 void Structure::internal_forces() {
     report_ = elements_.step(nodes_, dt_, threads_);
+    for (SectionForce& section : model_.sections)
+        section.measure(nodes_.x, nodes_.f, elements_.turning_nodes());
     strain_work_ += report_.strain_work;
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;

@@ -350,6 +350,7 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
         NodeRow& f = nodes.f[s.set.nodes[i]];
         for (int d = 0; d < 3; ++d) {
             s.totals.friction[d] += t.friction[d];
+            s.totals.force[d] += force[d];
             f.c[d] += force[d];
         }
         if (s.set.body >= 0) {
@@ -378,6 +379,10 @@ const ContactSet& ContactPair::set() const {
 }
 const ContactTotals& ContactPair::totals() const {
     return s_->totals;
+}
+void ContactPair::add_pressure(std::span<double> pressure) const {
+    for (std::size_t i = 0; i < s_->toucher.size(); ++i)
+        pressure[s_->set.nodes[i]] += s_->toucher[i].normal_force / s_->set.area[i];
 }
 double ContactPair::elastic_energy() const {
     return s_->stored - s_->stored_from;

@@ -31,6 +31,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,7 @@ struct ContactBudget {
 /// Sums over a pair's nodes, of the last evaluation.
 struct ContactTotals {
     double normal_force = 0;  // [N] sum of f_n
+    Vec3 force{};             // [N] sum of f_n n + t, on the nodes
     Vec3 friction{};          // [N] sum of t, on the nodes
     int touching = 0;         // nodes with f_n > 0
     int slipping = 0;         // of them, at the limit of friction
@@ -73,6 +75,8 @@ class ContactPair {
 
     const ContactSet& set() const;
     const ContactTotals& totals() const;
+    /// [Pa] adds f_n over its area to the nodes of the set, (nodes of the mesh).
+    void add_pressure(std::span<double> pressure) const;
     double elastic_energy() const;  // [J] stored in springs, against the start
     double friction_work() const;   // [J] dissipated by slip
     double damping_work() const;    // [J] dissipated along the normals

@@ -142,6 +142,20 @@ void check_slab(const Mesh& mesh, double thickness) {
             " m in y, but the mesh is " + std::to_string(high - low) + " m thick.");
 }
 
+/// Elements whose centers lie on the side of the plane that its normal points to.
+std::vector<std::int32_t> beyond_plane(const Mesh& mesh, const Vec3& point, const Vec3& normal) {
+    std::vector<std::int32_t> beyond;
+    for (std::size_t e = 0; e < mesh.n_elements(); ++e) {
+        double height = 0;
+        for (std::int32_t n : mesh.corners(e))
+            for (int d = 0; d < 3; ++d) height += (mesh.x[n][d] - point[d]) * normal[d];
+        if (height > 0) beyond.push_back(std::int32_t(e));
+    }
+    return beyond;
+}
+
+}  // namespace
+
 std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
     std::int32_t best = 0;
     double smallest = std::numeric_limits<double>::infinity();
@@ -155,8 +169,6 @@ std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
     }
     return best;
 }
-
-}  // namespace
 
 Model build_model(const Case& c) {
     return build_model(c, make_mesh(c));
@@ -195,6 +207,13 @@ Model build_model(const Case& c, Mesh mesh) {
     model.water = make_static_water(c, model.mesh);
     for (const FemProbe& p : c.fem.probe)
         model.probes.push_back({p.name, nearest_node(model.mesh, p.point)});
+    for (const FemHistory& h : c.fem.history)
+        if (h.kind == FemHistoryKind::section)
+            model.sections.emplace_back(
+                model.mesh,
+                h.normal ? beyond_plane(model.mesh, h.point, *h.normal)
+                         : model.mesh.elements_of(h.set, "fem.history"),
+                h.point, "fem.history \"" + h.name + "\": the section");
     model.gravity = c.info.gravity;
     model.damping = c.fem.damping_alpha;
     model.cfl = c.fem.cfl;

@@ -13,6 +13,7 @@
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
+#include "fem_solver/section_force.hpp"
 
 namespace undertow::fem {
 
@@ -52,6 +53,7 @@ struct Model {
     AbsorbingBoundary far_field;
     std::optional<StaticWater> water;
     std::vector<Probe> probes;
+    std::vector<SectionForce> sections;  // of [[fem.history]], in its order
     std::vector<RigidSet> rigid;       // their elements are in no part
     std::vector<ContactSet> contacts;  // inside the mesh
     double coupled_share = 0;  // of the stability budget that the coupler takes at coupled nodes
@@ -61,6 +63,9 @@ struct Model {
     double cfl = 0.9;    // lambda of Eq. 13
     double implicit_damping = 0;  // of implicit parts: c/dt, see fem_solver/implicit
 };
+
+/// Of the undeformed mesh.
+std::int32_t nearest_node(const Mesh& mesh, const Vec3& point);
 
 /// Reads or makes the mesh and resolves the tables. A 2D case holds every node in y and must be one
 /// case.thickness thick. InputError for unknown names, elements in no part or in two, and the like.

@@ -358,9 +358,24 @@ struct FemProbe {                        // [[fem.probe]] history of the node ne
     Vec3 point{};                        // [m] in the undeformed mesh
 };
 
+/// A file of its own, fem.history.NAME.csv.
+enum class FemHistoryKind { point, set, section, contact };
+struct FemHistory {                      // [[fem.history]]
+    std::string name;
+    FemHistoryKind kind = FemHistoryKind::point;   // "point", "set", "section", "contact"
+    Vec3 point{};                        // [m] point: the nearest node to it; section: a point of the
+                                         // plane, and the one moments are about
+    std::string set;                     // set: node, facet or volume set; section: a volume set,
+                                         // whose force on the rest is taken, or
+    std::optional<Vec3> normal{};        // section: of the plane; the force of the side that it points
+                                         // to on the other
+    std::string contact;                 // contact: name of a [[fem.contact]]
+    double every = 0;                    // [s] 0 = output.history_every
+};
+
 struct FemSettings {
     bool present = false;
-    std::string mesh;                    // path of a Gmsh .msh (4.1), relative to the case file
+    std::string mesh;                    // path of a Gmsh .msh (4.1, 2.2), relative to the case file
     std::optional<FemBlock> block;
     double cfl = 0.9;                    // lambda of Eq. 13
     double damping_alpha = 0;            // [1/s] Rayleigh, mass-proportional
@@ -382,6 +397,7 @@ struct FemSettings {
     std::vector<FemMotion> motion;
     std::vector<FemContact> contact;
     std::vector<FemProbe> probe;
+    std::vector<FemHistory> history;
 };
 
 // ---------------------------------------------------------------- [coupling]

@@ -293,6 +293,14 @@ void to_json(Json& j, const FemProbe& v) {
     j = {{"name", v.name}, {"point", v.point}};
 }
 
+void to_json(Json& j, const FemHistory& v) {
+    const char* const kinds[] = {"point", "set", "section", "contact"};
+    j = {{"name", v.name},       {"kind", kinds[int(v.kind)]},
+         {"point", v.point},     {"set", v.set},
+         {"contact", v.contact}, {"every", v.every},
+         {"normal", v.normal ? Json(*v.normal) : Json(nullptr)}};
+}
+
 void to_json(Json& j, const FemSettings& v) {
     j = {{"mesh", v.mesh},
          {"block", v.block ? Json(*v.block) : Json(nullptr)},
@@ -314,7 +322,8 @@ void to_json(Json& j, const FemSettings& v) {
          {"rigid", v.rigid},
          {"motion", v.motion},
          {"contact", v.contact},
-         {"probe", v.probe}};
+         {"probe", v.probe},
+         {"history", v.history}};
 }
 
 void to_json(Json& j, const PressurePatch& v) {

@@ -259,6 +259,9 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         entry.text("name", probe.name);
         entry.vector("point", probe.point, "m");
     });
+    reader.tables("history", [&](TableReader& entry) {
+        read_fem_history(entry, fem.history.emplace_back(), fem);
+    });
 }
 
 }  // namespace undertow

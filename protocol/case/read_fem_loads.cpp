@@ -1,6 +1,7 @@
-// Of [fem]: motions that are told.
+// Of [fem]: motions that are told, and histories.
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "case/fem_sections.hpp"
@@ -110,6 +111,60 @@ void read_fem_motion(TableReader& reader, FemMotion& motion, const FemSettings& 
     check_plane(reader, motion, info);
     if (reader.has("directions") && motion.angle)
         reader.reject("directions", "has no effect with angle, which tells all directions.");
+}
+
+void read_fem_history(TableReader& reader, FemHistory& history, const FemSettings& fem) {
+    using Kind = FemHistoryKind;
+    reader.require("name", "a word for its file");
+    reader.require("kind", "one of \"point\", \"set\", \"section\", \"contact\"");
+    reader.text("name", history.name);
+    for (const char letter : history.name)
+        if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '_' && letter != '-')
+            reader.reject("name",
+                          "is not allowed: it becomes part of a file's name, so letters, "
+                          "digits, _ and - only.");
+    reader.choice<Kind>("kind", history.kind,
+                        {{"point", Kind::point},
+                         {"set", Kind::set},
+                         {"section", Kind::section},
+                         {"contact", Kind::contact}});
+    reader.number("every", history.every, at_least(0, "s"));
+    reader.vector("point", history.point, "m");
+    Vec3 normal{};
+    if (reader.has("normal")) {
+        reader.direction("normal", normal);
+        history.normal = normal;
+    } else {
+        reader.vector("normal", normal, "");  // known, for what finish() says
+    }
+    std::vector<std::string> contacts;
+    for (const FemContact& contact : fem.contact) contacts.push_back(contact.name);
+    if (reader.has("contact"))
+        reader.word("contact", history.contact, contacts);
+    else
+        reader.text("contact", history.contact);
+    const bool section = history.kind == Kind::section;
+    if (history.kind == Kind::set || (section && !reader.has("normal")))
+        read_set(reader, history.set, fem,
+                 section ? std::vector<std::string>{"block"} : block_sets);
+    else
+        reader.text("set", history.set);
+    if (history.kind == Kind::point || section)
+        reader.require("point", section ? "a point [x, y, z] of the plane; moments are about it"
+                                        : "a point [x, y, z] of the undeformed mesh");
+    if (history.kind == Kind::contact) reader.require("contact", "the name of a [[fem.contact]]");
+    const auto only_for = [&](const char* key, bool allowed, const char* kinds) {
+        if (reader.has(key) && !allowed)
+            reader.reject(key, std::string("has no effect but on kind = ") + kinds + ".");
+    };
+    only_for("point", history.kind == Kind::point || section, "\"point\" and \"section\"");
+    only_for("normal", section, "\"section\"");
+    only_for("contact", history.kind == Kind::contact, "\"contact\"");
+    only_for("set", history.kind == Kind::set || section, "\"set\" and \"section\"");
+    if (section && reader.has("set") && reader.has("normal"))
+        reader.reject("set",
+                      "is one section too many: give the normal of a plane or the set whose "
+                      "force on the rest is taken, not both.");
 }
 
 }  // namespace undertow
