@@ -80,7 +80,7 @@ struct RigidBody::State {
     }
     void follow_drive(double dt);
     void find_drive(const Wrench& pull, const Vector& v_old, const Vector& L_old,
-                    const Vector& w_old, const Kick& step, double span);
+                    const Vector& w_old, double span);
 };
 
 /// Velocities in the directions that are told, instead of those of the forces.
@@ -92,22 +92,19 @@ void RigidBody::State::follow_drive(double dt) {
     L = inertia_at(rotation_matrix(0.5 * dt * w) * turned.toRotationMatrix()) * w;
 }
 
-/// m dv/s + alpha m v - F, and the same of the turning, in the directions that are told.
+/// m dv/s - F, and the same of the turning, in the directions that are told: these are not damped.
 void RigidBody::State::find_drive(const Wrench& pull, const Vector& v_old, const Vector& L_old,
-                                  const Vector& w_old, const Kick& step, double span) {
+                                  const Vector& w_old, double span) {
     driven = {};
     for (int d = 0; d < 3; ++d) {
         if (set.driven[d]) {
-            const double f = mass * ((v[d] - v_old[d]) / span +
-                                     0.5 * step.damping * (v[d] + v_old[d])) -
-                             pull.force[d];
+            const double f = mass * (v[d] - v_old[d]) / span - pull.force[d];
             driven.force.force[d] = f;
             driven.power_before += f * v_old[d];
             driven.power_after += f * v[d];
         }
         if (set.turn_driven) {
-            const double m = (L[d] - L_old[d]) / span + 0.5 * step.damping * (L[d] + L_old[d]) -
-                             pull.moment[d];
+            const double m = (L[d] - L_old[d]) / span - pull.moment[d];
             driven.force.moment[d] = m;
             driven.power_before += m * w_old[d];
             driven.power_after += m * w[d];
@@ -196,7 +193,7 @@ KickReport RigidBody::kick(Nodes& nodes, const Kick& step) {
     s.w = s.turning_speed(step.dt_after);
     if (s.is_driven()) {
         s.follow_drive(step.dt_after);
-        s.find_drive(all, v_old, L_old, w_old, step, span);
+        s.find_drive(all, v_old, L_old, w_old, span);
     }
     // chords: (R^{n+1} - R^n) X / dt, without the cancellation
     s.step_turn = step.dt_after > 0 ? Matrix(rotation_less_one(step.dt_after * s.w) / step.dt_after)
@@ -205,7 +202,10 @@ KickReport RigidBody::kick(Nodes& nodes, const Kick& step) {
         const std::int32_t n = s.set.nodes[i];
         put(nodes.v[n], s.v + s.step_turn * (s.turned * s.frame[i]));
     }
-    const Vector v_mean = v_old + s.v, L_mean = L_old + s.L;
+    Vector v_mean = v_old + s.v, L_mean = L_old + s.L;
+    for (int d = 0; d < 3; ++d)
+        if (s.set.driven[d]) v_mean[d] = 0;
+    if (s.set.turn_driven) L_mean.setZero();
     const double quarter = 0.25 * step.damping;
     KickReport report;
     report.kinetic = 0.5 * s.mass * v_old.dot(s.v) + 0.25 * (w_old.dot(s.L) + s.w.dot(L_old));

@@ -59,6 +59,7 @@ TEST_CASE(
     Case c = block.settings();
     c.time.end = 1;
     c.info.gravity = {0, 0, -9.81};
+    c.fem.damping_alpha = 20;  // not of what is told
     c.fem.motion = {displaced("block", {"1.5*t^2", "0", "-0.2*t^2"})};
     if (rigid) {
         c.fem.rigid = {{"brick", "block", {}, 0, {}}};
