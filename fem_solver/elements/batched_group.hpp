@@ -66,6 +66,13 @@ class BatchedGroup : public ElementGroup {
         omega2_start_ = std::max(omega2_start_, omega2);
     }
 
+    // in batched_step.hpp:
+    template <class Kernel>
+    ElementsReport step_all(Nodes& nodes, double dt, int threads, const Kernel& kernel);
+    template <class Kernel>
+    void subtract_tangent(const NodeRows& x, const NodeRows& u, NodeRows& f,
+                          const Kernel& kernel) const;
+
     std::vector<Part> parts_;  // without their element lists
     std::vector<ElementLaw> law_;
     Batches<n_corners> batches_;
@@ -74,6 +81,11 @@ class BatchedGroup : public ElementGroup {
     std::vector<Lanes> omega2_;          // [1/s2] of the last step
     std::vector<Lanes> plastic_strain_;  // [n_batches], empty when no part can yield
     double omega2_start_ = 0;
+
+ private:
+    template <class Kernel, class Law>
+    ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material,
+                              const Kernel& kernel);
 };
 
 UNDERTOW_KERNEL void set_lane(Symmetric<Lanes>& s, int lane, const Symmetric<double>& value) {

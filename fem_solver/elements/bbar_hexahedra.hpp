@@ -16,10 +16,6 @@ class BbarHexahedra final : public BatchedGroup<8, BbarConstants<Lanes>, BbarSta
     void subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const override;
     ExtremeElement most_compressed(const Nodes& nodes) const override;
     void write_stress(std::span<double> stress) const override;  // mean of the points
-
- private:
-    template <class Law>
-    ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material);
 };
 
 }  // namespace undertow::fem

@@ -18,10 +18,6 @@ class Hexahedra final : public BatchedGroup<8, HexahedronConstants<Lanes>, Hexah
     void write_stress(std::span<double> stress) const override;
     /// Largest |stress|/(lambda + 2 mu): by this share of its bound tension stiffens an element.
     double largest_stress_stiffness() const;
-
- private:
-    template <class Law>
-    ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material);
 };
 
 }  // namespace undertow::fem

@@ -31,14 +31,14 @@ class Tetrahedra final
         std::vector<double> of_patch;
     };
 
+    struct WithDilatation;
+
     void number_patches(const Mesh& mesh, const std::vector<Part>& parts);
     Dilatation make_dilatation() const;
     void find_volumes(std::size_t batch, const NodeRows& x, const NodeRows& v, double dt,
                       Dilatation& out) const;
     void average(Dilatation& out, int threads) const;
     Lanes dilatation(std::size_t batch, const Dilatation& from) const;
-    template <class Law>
-    ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material);
 
     std::vector<std::array<std::int32_t, n_lanes>> patch_of_;  // [n_batches]
     // Of patch p the slots (batch * 8 + lane) from patch_slot_[patch_begin_[p]] on: sums are always

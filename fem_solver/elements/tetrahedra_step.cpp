@@ -1,23 +1,9 @@
 // The hot loops over all tetrahedra. Alone in this file, so that nothing else is compiled with it.
 
-#include "fem_solver/elements/lane_report.hpp"
+#include "fem_solver/elements/batched_step.hpp"
 #include "fem_solver/elements/tetrahedra.hpp"
 
 namespace undertow::fem {
-namespace {
-
-UNDERTOW_KERNEL void gather_step(const NodeRows& x_rows, const NodeRows& v_rows, double dt,
-                                 const std::int32_t (&node)[4][n_lanes], Lanes (&x)[3][4],
-                                 Lanes (&dx)[3][4]) {
-    gather_corners(x_rows.data(), node, x);
-    gather_corners(v_rows.data(), node, dx);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-#pragma GCC unroll 4
-        for (int corner = 0; corner < 4; ++corner) dx[i][corner] *= dt;
-}
-
-}  // namespace
 
 void Tetrahedra::find_volumes(std::size_t b, const NodeRows& x_rows, const NodeRows& v_rows,
                               double dt, Dilatation& out) const {
@@ -52,29 +38,16 @@ inline Lanes Tetrahedra::dilatation(std::size_t b, const Dilatation& from) const
     return out;
 }
 
-template <class Law>
-ElementsReport Tetrahedra::step_chunk(const Chunk& chunk, Nodes& nodes, double dt,
-                                      const Law& law_of_part) {
-    const ElementLaw law = law_[batches_[chunk.begin].part];
-    const Law material = law_of_part;  // a copy on the stack: nothing below can change it
-    LaneReport sum;
-    for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
-        const Batches<4>::Batch& batch = batches_[b];
-        Lanes x[3][4], dx[3][4], f[3][4];
-        gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
-        ElementReport<Lanes> report;
-        step_tetrahedron(x, dx, dilatation(b, dilatation_), dt, constants_[b], material, law,
-                         state_[b], f, report);
-        scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
-        omega2_[b] = report.omega2;
-        collect(sum, report, constants_[b].omega2_reference, batch.valid);
-        if constexpr (Law::plastic) {
-            collect_flow(sum, report, batch.valid);
-            plastic_strain_[b] += report.plastic_strain;
-        }
+/// The kernel with the dilatation of the elements' patches.
+struct Tetrahedra::WithDilatation {
+    const Tetrahedra& group;
+    const Dilatation& from;
+    template <class Nodal, class... Arguments>
+    UNDERTOW_KERNEL void operator()(std::size_t b, const Nodal& x, const Nodal& dx,
+                                    Arguments&&... arguments) const {
+        step_tetrahedron(x, dx, group.dilatation(b, from), arguments...);
     }
-    return reduce(sum);
-}
+};
 
 ElementsReport Tetrahedra::step(Nodes& nodes, double dt, int threads) {
     batches_.sweep(threads, [&](const Chunk& chunk) {
@@ -83,29 +56,14 @@ ElementsReport Tetrahedra::step(Nodes& nodes, double dt, int threads) {
         return ElementsReport{};
     });
     average(dilatation_, threads);
-    return batches_.sweep(threads, [&](const Chunk& chunk) {
-        return std::visit([&](const auto& law) { return step_chunk(chunk, nodes, dt, law); },
-                          parts_[batches_[chunk.begin].part].material);
-    });
+    return step_all(nodes, dt, threads, WithDilatation{*this, dilatation_});
 }
 
-void Tetrahedra::subtract_tangent_forces(const NodeRows& x_rows, const NodeRows& u,
-                                         NodeRows& f_rows) const {
+void Tetrahedra::subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const {
     Dilatation of_u = make_dilatation();
-    for (std::size_t b = 0; b < batches_.size(); ++b) find_volumes(b, x_rows, u, 1, of_u);
+    for (std::size_t b = 0; b < batches_.size(); ++b) find_volumes(b, x, u, 1, of_u);
     average(of_u, 1);
-    for (std::size_t b = 0; b < batches_.size(); ++b) {
-        const Batches<4>::Batch& batch = batches_[b];
-        ElementLaw law = law_[batch.part];
-        law.bulk_viscosity_linear = law.bulk_viscosity_quadratic = 0;
-        Lanes x[3][4], dx[3][4], f[3][4];
-        gather_step(x_rows, u, 1, batch.node, x, dx);
-        TetrahedronState<Lanes> state = {};
-        ElementReport<Lanes> report;
-        step_tetrahedron(x, dx, dilatation(b, of_u), 1.0, constants_[b],
-                         elastic_moduli(parts_[batch.part].material), law, state, f, report);
-        scatter_corners(f_rows.data(), batch.node, batch.valid, f);
-    }
+    subtract_tangent(x, u, f, WithDilatation{*this, of_u});
 }
 
 }  // namespace undertow::fem

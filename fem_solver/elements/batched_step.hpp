@@ -1,0 +1,82 @@
+#pragma once
+// The loops over all elements of a group, once for all kinds. For the *_step.cpp alone: each
+// compiles them for its kernel, and nothing else is compiled with it.
+
+#include "fem_solver/elements/batched_group.hpp"
+#include "fem_solver/elements/lane_report.hpp"
+
+namespace undertow::fem {
+
+/// Positions and displacements of the step, dx = dt v, of a batch's corners.
+template <int n_corners>
+UNDERTOW_KERNEL void gather_step(const NodeRows& x_rows, const NodeRows& v_rows, double dt,
+                                 const std::int32_t (&node)[n_corners][n_lanes],
+                                 Lanes (&x)[3][n_corners], Lanes (&dx)[3][n_corners]) {
+    gather_corners(x_rows.data(), node, x);
+    gather_corners(v_rows.data(), node, dx);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 8
+        for (int corner = 0; corner < n_corners; ++corner) dx[i][corner] *= dt;
+}
+
+template <int n_corners, class Constants, class State>
+template <class Kernel, class Law>
+ElementsReport BatchedGroup<n_corners, Constants, State>::step_chunk(const Chunk& chunk,
+                                                                     Nodes& nodes, double dt,
+                                                                     const Law& law_of_part,
+                                                                     const Kernel& kernel) {
+    const ElementLaw law = law_[batches_[chunk.begin].part];
+    const Law material = law_of_part;  // a copy on the stack: nothing below can change it
+    LaneReport sum;
+    for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
+        const auto& batch = batches_[b];
+        Lanes x[3][n_corners], dx[3][n_corners], f[3][n_corners];
+        gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
+        ElementReport<Lanes> report;
+        kernel(b, x, dx, dt, constants_[b], material, law, state_[b], f, report);
+        scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
+        omega2_[b] = report.omega2;
+        collect(sum, report, constants_[b].omega2_reference, batch.valid);
+        if constexpr (Law::plastic) {
+            collect_flow(sum, report, batch.valid);
+            plastic_strain_[b] += report.plastic_strain;
+        }
+    }
+    return reduce(sum);
+}
+
+/// kernel(b, x, dx, dt, constants, material, law, state, f, report) does one step of batch b.
+template <int n_corners, class Constants, class State>
+template <class Kernel>
+ElementsReport BatchedGroup<n_corners, Constants, State>::step_all(Nodes& nodes, double dt,
+                                                                   int threads,
+                                                                   const Kernel& kernel) {
+    return batches_.sweep(threads, [&](const Chunk& chunk) {
+        return std::visit(
+            [&](const auto& law) { return step_chunk(chunk, nodes, dt, law, kernel); },
+            parts_[batches_[chunk.begin].part].material);
+    });
+}
+
+template <int n_corners, class Constants, class State>
+template <class Kernel>
+void BatchedGroup<n_corners, Constants, State>::subtract_tangent(const NodeRows& x_rows,
+                                                                 const NodeRows& u,
+                                                                 NodeRows& f_rows,
+                                                                 const Kernel& kernel) const {
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+        const auto& batch = batches_[b];
+        ElementLaw law = law_[batch.part];
+        law.bulk_viscosity_linear = law.bulk_viscosity_quadratic = 0;
+        Lanes x[3][n_corners], dx[3][n_corners], f[3][n_corners];
+        gather_step(x_rows, u, 1, batch.node, x, dx);
+        State state = {};
+        ElementReport<Lanes> report;
+        kernel(b, x, dx, 1.0, constants_[b], elastic_moduli(parts_[batch.part].material), law,
+               state, f, report);
+        scatter_corners(f_rows.data(), batch.node, batch.valid, f);
+    }
+}
+
+}  // namespace undertow::fem
