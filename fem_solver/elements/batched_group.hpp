@@ -24,13 +24,15 @@ class BatchedGroup : public ElementGroup {
           constants_(batches_.size()),
           state_(batches_.size(), State{}),
           omega2_(batches_.size()) {
-        bool any_plastic = false;
+        bool any_plastic = false, any_hardens = false;
         for (Part& part : parts_) {
             law_.push_back(make_law(part, viscosity));
             any_plastic |= is_plastic(part.material);
+            any_hardens |= hardens(part.material);
             part.elements = {};
         }
-        if (any_plastic) plastic_strain_.resize(batches_.size(), Lanes{});
+        if (any_hardens) strain_points_ = State::points;
+        if (any_plastic) plastic_strain_.resize(batches_.size() * strain_points_, Lanes{});
     }
 
     std::size_t size() const override { return batches_.elements(); }
@@ -50,9 +52,14 @@ class BatchedGroup : public ElementGroup {
     }
     ExtremeElement stiffest() const override { return batches_.largest(omega2_); }
     void write_plastic_strain(std::span<double> strain) const override {
-        if (!plastic_strain_.empty())
-            batches_.for_each_element(
-                [&](std::size_t e, std::size_t b, int l) { strain[e] = plastic_strain_[b][l]; });
+        if (plastic_strain_.empty()) return;
+        batches_.for_each_element([&](std::size_t e, std::size_t b, int l) {
+            const std::size_t points = hardens(parts_[batches_[b].part].material) ? strain_points_ : 1;
+            double sum = 0;
+            for (std::size_t q = 0; q < points; ++q)
+                sum += plastic_strain_[b * strain_points_ + q][l];
+            strain[e] = sum / double(points);
+        });
     }
     int colors() const { return batches_.colors(); }
 
@@ -79,7 +86,10 @@ class BatchedGroup : public ElementGroup {
     std::vector<Constants> constants_;
     std::vector<State> state_;
     std::vector<Lanes> omega2_;          // [1/s2] of the last step
-    std::vector<Lanes> plastic_strain_;  // [n_batches], empty when no part can yield
+    // [n_batches, strain_points_], empty when no part can yield: of materials that harden at each
+    // point, of others the element's mean in the first
+    std::vector<Lanes> plastic_strain_;
+    std::size_t strain_points_ = 1;
     double omega2_start_ = 0;
 
  private:

@@ -34,19 +34,18 @@ ElementsReport BatchedGroup<n_corners, Constants, State>::step_chunk(const Chunk
         Lanes x[3][n_corners], dx[3][n_corners], f[3][n_corners];
         gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
         ElementReport<Lanes> report;
-        kernel(b, x, dx, dt, constants_[b], material, law, state_[b], f, report);
+        Lanes* plastic_strain = nullptr;
+        if constexpr (Law::plastic) plastic_strain = &plastic_strain_[b * strain_points_];
+        kernel(b, x, dx, dt, constants_[b], material, law, state_[b], plastic_strain, f, report);
         scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
         omega2_[b] = report.omega2;
         collect(sum, report, constants_[b].omega2_reference, batch.valid);
-        if constexpr (Law::plastic) {
-            collect_flow(sum, report, batch.valid);
-            plastic_strain_[b] += report.plastic_strain;
-        }
+        if constexpr (Law::plastic) collect_flow(sum, report, batch.valid);
     }
     return reduce(sum);
 }
 
-/// kernel(b, x, dx, dt, constants, material, law, state, f, report) does one step of batch b.
+/// kernel(b, x, dx, dt, constants, material, law, state, plastic_strain, f, report) does one step of batch b.
 template <int n_corners, class Constants, class State>
 template <class Kernel>
 ElementsReport BatchedGroup<n_corners, Constants, State>::step_all(Nodes& nodes, double dt,
@@ -74,7 +73,7 @@ void BatchedGroup<n_corners, Constants, State>::subtract_tangent(const NodeRows&
         State state = {};
         ElementReport<Lanes> report;
         kernel(b, x, dx, 1.0, constants_[b], elastic_moduli(parts_[batch.part].material), law,
-               state, f, report);
+               state, static_cast<Lanes*>(nullptr), f, report);
         scatter_corners(f_rows.data(), batch.node, batch.valid, f);
     }
 }

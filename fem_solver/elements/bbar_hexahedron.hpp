@@ -27,6 +27,7 @@ inline constexpr double gauss_sign[n_gauss][3] = {{-1, -1, -1}, {1, -1, -1}, {1,
 /// What an element keeps from step to step.
 template <class T>
 struct BbarState {
+    static constexpr int points = n_gauss;
     Symmetric<T> stress[n_gauss];  // [Pa] Cauchy, without bulk viscosity
     T viscous;                     // [Pa] bulk-viscosity stress of the last step
 };
@@ -108,11 +109,13 @@ UNDERTOW_KERNEL T largest_metric(const Modes<T> (&x)[3]) {
 }
 
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, f [N] internal forces at n.
+/// plastic_strain: the equivalent one so far, of materials that harden at each point, of others
+/// the mean of the points.
 template <class T, class Material>
 UNDERTOW_KERNEL void step_bbar(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
                                const BbarConstants<T>& element, const Material& material,
-                               const ElementLaw& law, BbarState<T>& state, T (&f)[3][8],
-                               ElementReport<T>& report) {
+                               const ElementLaw& law, BbarState<T>& state, T* plastic_strain,
+                               T (&f)[3][8], ElementReport<T>& report) {
     const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
     const Modes<T> dx[3] = {to_modes(dx_nodes[0]), to_modes(dx_nodes[1]), to_modes(dx_nodes[2])};
     T C[6][3], D;
@@ -134,7 +137,7 @@ UNDERTOW_KERNEL void step_bbar(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][
         for (int a = 0; a < 4; ++a) force[i].hourglass[a] = zero;
     }
     T mean_stress = zero;  // sum of V_q p_q, times 512
-    T strain_work = zero, plastic_work = zero, plastic_strain = zero, yielding = zero;
+    T strain_work = zero, plastic_work = zero, mean_plastic_strain = zero, yielding = zero;
     T shear = zero, smallest = 1e300 + zero;
 #pragma GCC unroll 1
     for (int q = 0; q < n_gauss; ++q) {
@@ -159,14 +162,15 @@ UNDERTOW_KERNEL void step_bbar(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][
         Symmetric<T> s = state.stress[q];
         rotate_with_spin(L, s);
         const Symmetric<T> before = s;
+        PlasticFlow<T> flow;  // set and read for plastic materials alone
+        update_stress(material, d_eps, dt, plastic_strain + q, s, flow);
         if constexpr (Material::plastic) {
-            PlasticFlow<T> flow;
-            material(s, d_eps, dt, flow);
             plastic_work += det * flow.work;
-            plastic_strain += 0.125 * flow.strain;
+            if constexpr (Material::hardens)
+                plastic_strain[q] += flow.strain;
+            else
+                mean_plastic_strain += 0.125 * flow.strain;
             yielding = larger(flow.yielding, yielding);
-        } else {
-            material(s, d_eps, dt);
         }
         state.stress[q] = s;
         strain_work += det * work_of_sum(before, s, d_eps);
@@ -191,7 +195,7 @@ UNDERTOW_KERNEL void step_bbar(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][
     report.hourglass_work = zero;
     if constexpr (Material::plastic) {
         report.plastic_work = volume_share * plastic_work;
-        report.plastic_strain = plastic_strain;
+        if constexpr (!Material::hardens) *plastic_strain += mean_plastic_strain;
         report.yielding = yielding;
     }
 

@@ -72,7 +72,7 @@ Elements::Elements(const Mesh& mesh, const std::vector<Part>& parts, const BulkV
         const LinearElastic& moduli = elastic_moduli(part.material);
         wave_speed_ =
             std::max(wave_speed_, std::sqrt((moduli.lambda + 2 * moduli.mu) / part.density));
-        any_plastic_ |= is_plastic(part.material) || part.plane_plastic;
+        any_plastic_ |= is_plastic(part.material);
         std::vector<std::vector<std::int32_t>> split(std::size(kinds));
         for (std::int32_t e : part.elements) {
             part_of_[e] = std::int32_t(p);

@@ -28,9 +28,8 @@ struct ElementReport {
     T relative_volume;  // V/V0; <= 0 is an inverted element
     T compression;      // -length tr(D)/c, Mach number of closing: enters the viscosity's limit
     // of plastic materials alone:
-    T plastic_work;    // [J] of the step, a part of strain_work
-    T plastic_strain;  // increment of the equivalent plastic strain
-    T yielding;        // 1 where the stress flowed, else 0
+    T plastic_work;  // [J] of the step, a part of strain_work
+    T yielding;      // 1 where the stress flowed, else 0
 };
 
 /// q = rho ( b1 c l tr(D) - (b2 l tr(D))^2 when compressed )   [Pa], tension positive; `closing`

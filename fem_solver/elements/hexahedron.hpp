@@ -14,13 +14,14 @@
 #include "fem_solver/elements/hourglass_limit.hpp"
 #include "fem_solver/elements/modes.hpp"
 #include "fem_solver/elements/tensor.hpp"
-#include "fem_solver/materials/tresca.hpp"
+#include "fem_solver/materials/plastic_flow.hpp"
 
 namespace undertow::fem {
 
 /// What an element keeps from step to step.
 template <class T>
 struct HexahedronState {
+    static constexpr int points = 1;
     Symmetric<T> stress;  // [Pa] Cauchy, without bulk viscosity
     T viscous;            // [Pa] bulk-viscosity stress of the last step (tension positive)
     T hourglass[3][4];    // [N] generalized hourglass stresses along the element's axes
@@ -183,11 +184,12 @@ UNDERTOW_KERNEL void nodal_forces(const Modes<T> (&x)[3], const T (&C)[6][3], co
 }
 
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, f [N] internal forces at n.
+/// plastic_strain: the equivalent one so far, of plastic materials alone.
 template <class T, class Material>
 UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
                                      const HexahedronConstants<T>& element,
                                      const Material& material, const ElementLaw& law,
-                                     HexahedronState<T>& state, T (&f)[3][8],
+                                     HexahedronState<T>& state, T* plastic_strain, T (&f)[3][8],
                                      ElementReport<T>& report) {
     const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
     const Modes<T> dx[3] = {to_modes(dx_nodes[0]), to_modes(dx_nodes[1]), to_modes(dx_nodes[2])};
@@ -207,10 +209,7 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
     rotate_with_spin(L, s);
     const Symmetric<T> before = s;
     PlasticFlow<T> flow;  // set and read for plastic materials alone
-    if constexpr (Material::plastic)
-        material(s, d_eps, dt, flow);
-    else
-        material(s, d_eps, dt);
+    update_stress(material, d_eps, dt, plastic_strain, s, flow);
     state.stress = s;
     report.strain_work = half_volume * work_of_sum(before, s, d_eps);
 
@@ -229,12 +228,12 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
 #pragma GCC unroll 4
             for (int a = 0; a < 4; ++a) Q[i][a] = state.hourglass[i][a];
         update_hourglass(law, volume_start, element.axis_weight, p, state.hourglass);
-        if (any(flow.strain > 0.0))
-            return_hourglass(law.mu, material.shear_strength, flow, state.hourglass);
-        report.hourglass_work = limit_hourglass(material.shear_strength, volume_start,
-                                                element.axis_weight, p, Q, state.hourglass);
+        if (any(flow.strain > 0.0)) return_hourglass(law.mu, flow, state.hourglass);
+        *plastic_strain += flow.strain;
+        report.hourglass_work = limit_hourglass(material.shear_limit(s, *plastic_strain),
+                                                volume_start, element.axis_weight, p, Q,
+                                                state.hourglass);
         report.plastic_work = (2.0 * half_volume) * flow.work;
-        report.plastic_strain = flow.strain;
         report.yielding = flow.yielding;
     } else {
         report.hourglass_work =

@@ -6,8 +6,7 @@
 // wrinkle: an alternating load finds nothing to resist it. Measured in
 // tests/unit/fem/mud_line.test.cpp and docs/theory_fem.md, 9.
 
-#include "fem_solver/materials/tresca.hpp"
-#include "fem_solver/simd.hpp"
+#include "fem_solver/materials/plastic_flow.hpp"
 
 namespace undertow::fem {
 
@@ -22,11 +21,11 @@ inline constexpr double plastic_section = 1.5, plastic_warping = 2.25;
 /// element flows alike.
 ///   1 - sqrt(3) mu strain/sqrt(J2)   [linearized radial return]
 template <class T>
-UNDERTOW_KERNEL void return_hourglass(double mu, double shear_strength, const PlasticFlow<T>& flow,
-                                      T (&Q)[3][4]) {
+UNDERTOW_KERNEL void return_hourglass(double mu, const PlasticFlow<T>& flow, T (&Q)[3][4]) {
     const T one = 1.0 + 0.0 * flow.strain;
-    const T root = square_root(larger(flow.utilization, one));  // nothing flows below J2 = s_u^2
-    const T left = 1.0 - (1.7320508075688772 * mu / shear_strength) * flow.strain / root;
+    // lanes that do not flow may have no deviator at all
+    const T root = square_root(larger(flow.trial_J2, T(1e-300 * one)));
+    const T left = 1.0 - (1.7320508075688772 * mu) * flow.strain / root;
     const T share = larger(left, T(0.0 * one));
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i)
@@ -35,11 +34,11 @@ UNDERTOW_KERNEL void return_hourglass(double mu, double shear_strength, const Pl
 }
 
 /// Bounds the hourglass stresses Q, which are amplitudes times V0/3 and the modes' weights, by the
-/// full plastic load of a section without any mean stress: amplitudes of 2 s_u plastic_section in
+/// full plastic load of a section without any mean deviator: amplitudes of 2 s_u plastic_section in
 /// bending, half of it in torsion. `before` are Q before update_hourglass(). Returns the work of
 /// the step [J].
-template <class T>
-UNDERTOW_KERNEL T limit_hourglass(double shear_strength, const T& volume_start, const T (&w)[3],
+template <class T, class Strength>
+UNDERTOW_KERNEL T limit_hourglass(const Strength& shear_strength, const T& volume_start, const T (&w)[3],
                                   const T (&p)[3][4], const T (&before)[3][4], T (&Q)[3][4]) {
     const T full = (plastic_section * 2 / 3 * shear_strength) * volume_start;
     const T root[3] = {square_root(w[0]), square_root(w[1]), square_root(w[2])};

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "case/case.hpp"
-#include "fem_solver/materials/j2.hpp"
 #include "fem_solver/materials/material.hpp"
 
 namespace undertow::fem {
@@ -20,9 +19,8 @@ struct Part {
     Material material;
     std::optional<double> weight_density{};  // [kg/m3] that gravity acts on; none = density
     ElementFormulation element = ElementFormulation::automatic;
-    double thickness = 0;               // [m] of shells
-    std::optional<J2> plane_plastic{};  // of shells that can yield; `material` has their moduli
-    bool implicit = false;              // limits no step, see fem_solver/implicit
+    double thickness = 0;   // [m] of shells
+    bool implicit = false;  // limits no step, see fem_solver/implicit
 };
 
 struct BulkViscosity {

@@ -21,6 +21,7 @@ namespace undertow::fem {
 /// What an element keeps from step to step.
 template <class T>
 struct TetrahedronState {
+    static constexpr int points = 1;
     Symmetric<T> stress;  // [Pa] Cauchy, without bulk viscosity
     T viscous;            // [Pa] bulk-viscosity stress of the last step
 };
@@ -95,12 +96,12 @@ UNDERTOW_KERNEL T tetrahedron_eigenvalue_bound(const T (&c)[3][3], const T& det,
 }
 
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, dilatation: the patch's,
-/// f [N] internal forces at n.
+/// f [N] internal forces at n, plastic_strain: the equivalent one so far, of plastic materials alone.
 template <class T, class Material>
 UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], const T& dilatation,
                                       double dt, const TetrahedronConstants<T>& element,
                                       const Material& material, const ElementLaw& law,
-                                      TetrahedronState<T>& state, T (&f)[3][4],
+                                      TetrahedronState<T>& state, T* plastic_strain, T (&f)[3][4],
                                       ElementReport<T>& report) {
     T A[3][3], dA[3][3], c[3][3], G[3][3], L[3][3];
     edges_of(x, A);
@@ -117,10 +118,7 @@ UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], c
     rotate_with_spin(L, s);
     const Symmetric<T> before = s;
     PlasticFlow<T> flow;  // set and read for plastic materials alone
-    if constexpr (Material::plastic)
-        material(s, d_eps, dt, flow);
-    else
-        material(s, d_eps, dt);
+    update_stress(material, d_eps, dt, plastic_strain, s, flow);
     state.stress = s;
     // the mean stress works on the element's own dilatation, as the forces do
     const T mean = (1.0 / 3) * ((before.xx + s.xx) + (before.yy + s.yy) + (before.zz + s.zz));
@@ -129,7 +127,7 @@ UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], c
     report.hourglass_work = 0.0 * volume;
     if constexpr (Material::plastic) {
         report.plastic_work = of_midpoint * flow.work;
-        report.plastic_strain = flow.strain;
+        *plastic_strain += flow.strain;
         report.yielding = flow.yielding;
     }
 

@@ -1,7 +1,11 @@
 #pragma once
-// J2 plasticity with linear isotropic hardening, in plane stress.
+// J2 plasticity (von Mises) with isotropic hardening, in solids and in plane stress.
 //
-//     sigma_eq^2 = s_xx^2 + s_yy^2 - s_xx s_yy + 3 s_xy^2 <= (yield_stress + hardening eps_p)^2
+//     sigma_eq^2 = 3 J2 <= k(eps_p)^2, in plane stress
+//     sigma_eq^2 = s_xx^2 + s_yy^2 - s_xx s_yy + 3 s_xy^2
+//
+// Return map in solids [Wilkins 1964]: the elastic trial deviator shrinks along itself until
+//     sigma_eq_trial - 3 mu d_eps_p = k(eps_p + d_eps_p)
 //
 // Return map in plane stress [Simo and Taylor 1986]: the flow matrix and the elastic one have the
 // same principal directions, s_xx + s_yy, s_xx - s_yy and s_xy, which shrink by
@@ -9,8 +13,8 @@
 // so that one scalar equation for g remains. Left of its root the yield function falls and is
 // convex: Newton's steps from g = 0 stay left and double their digits.
 
-#include "fem_solver/materials/linear_elastic.hpp"
-#include "fem_solver/simd.hpp"
+#include "fem_solver/materials/hardening.hpp"
+#include "fem_solver/materials/plastic_flow.hpp"
 
 namespace undertow::fem {
 
@@ -24,14 +28,49 @@ struct PlaneFlow {
 
 struct J2 {
     LinearElastic elastic;
-    double yield_stress;  // [Pa]
-    double hardening;     // [Pa] rise of the yield stress per equivalent plastic strain
+    Hardening hardening;  // k(eps_p)
 
-    static constexpr bool plastic = true;
+    static constexpr bool plastic = true, hardens = true;
 
     template <class T>
     UNDERTOW_KERNEL T strength(const T& plastic_strain) const {
-        return yield_stress + hardening * plastic_strain;
+        return hardening.strength(plastic_strain);
+    }
+
+    /// Half of what a fiber bears in tension: bounds hourglass stresses.   [Pa]
+    template <class T>
+    UNDERTOW_KERNEL T shear_limit(const Symmetric<T>& /*stress*/, const T& plastic_strain) const {
+        return 0.5 * strength(plastic_strain);
+    }
+
+    /// Updates the stress of a solid [Pa]; the equivalent plastic strain so far grows by flow.strain.
+    template <class T>
+    UNDERTOW_KERNEL void operator()(Symmetric<T>& s, const Symmetric<T>& d_eps, double dt,
+                                    const T& plastic_strain, PlasticFlow<T>& flow) const {
+        const Symmetric<T> before = s;
+        elastic(s, d_eps, dt);
+        const T p = (1.0 / 3) * (s.xx + s.yy + s.zz);
+        const T xx = s.xx - p, yy = s.yy - p, zz = s.zz - p;
+        flow.trial_J2 =
+            0.5 * (xx * xx + yy * yy + zz * zz) + (s.xy * s.xy + s.yz * s.yz + s.zx * s.zx);
+        flow.strain = flow.work = flow.yielding = 0.0 * p;
+        const T limit = strength(plastic_strain);
+        const auto yields = 3.0 * flow.trial_J2 > limit * limit;
+        if (!any(yields)) return;
+
+        const T one = 1.0 + 0.0 * p;
+        flow.yielding = yields ? one : T(0.0 * one);
+        const T trial = square_root(larger(T(3.0 * flow.trial_J2), T(limit * limit)));
+        flow.strain = flow.yielding *
+                      larger(hardening.flow(trial, 3 * elastic.mu, plastic_strain), T(0.0 * one));
+        const T n = 1.5 * flow.strain / trial;  // d_eps_p = n times the trial deviator
+        const T left = 1.0 - 2 * elastic.mu * n;
+        const T xy = s.xy, yz = s.yz, zx = s.zx;
+        s = {p + left * xx, p + left * yy, p + left * zz, left * xy, left * yz, left * zx};
+        const T along = (before.xx + s.xx) * xx + (before.yy + s.yy) * yy + (before.zz + s.zz) * zz;
+        const T across =
+            2.0 * ((before.xy + s.xy) * xy + (before.yz + s.yz) * yz + (before.zx + s.zx) * zx);
+        flow.work = (0.5 * n) * (along + across);
     }
 
     /// Updates a plane stress (xx, yy, xy) [Pa] by a strain increment (xx, yy, 2 xy), and the
@@ -51,7 +90,8 @@ struct J2 {
         const T limit = strength(plastic_strain);
         if (!any(a + b > limit * limit)) return {zero, one, zero};
 
-        const double p = E / (3 * (1 - nu)), q = 2 * mu, h = 2.0 / 3 * hardening;
+        const double p = E / (3 * (1 - nu)), q = 2 * mu;
+        const T h = (2.0 / 3) * hardening.tangent(plastic_strain);  // corrected in the next step
         const T trial = square_root(larger(a + b, T(limit * limit)));
         T g = zero;
         constexpr int newton_steps = 5;

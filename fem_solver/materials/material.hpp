@@ -3,17 +3,19 @@
 
 #include <variant>
 
+#include "fem_solver/materials/j2.hpp"
 #include "fem_solver/materials/linear_elastic.hpp"
 #include "fem_solver/materials/tresca.hpp"
 
 namespace undertow::fem {
 
-using Material = std::variant<LinearElastic, Tresca>;
+using Material = std::variant<LinearElastic, Tresca, J2>;
 
 inline const LinearElastic& elastic_moduli(const LinearElastic& law) {
     return law;
 }
-inline const LinearElastic& elastic_moduli(const Tresca& law) {
+template <class Law>
+const LinearElastic& elastic_moduli(const Law& law) {
     return law.elastic;
 }
 /// The moduli of small strains, which set wave speeds and the stable step.
@@ -23,6 +25,16 @@ inline const LinearElastic& elastic_moduli(const Material& material) {
 }
 inline bool is_plastic(const Material& material) {
     return std::visit([](const auto& law) { return law.plastic; }, material);
+}
+template <class Law>
+constexpr bool law_hardens() {
+    if constexpr (Law::plastic) return Law::hardens;
+    return false;
+}
+/// Whether the strength at a point depends on its plastic strain.
+inline bool hardens(const Material& material) {
+    return std::visit(
+        []<class Law>(const Law&) { return law_hardens<Law>(); }, material);
 }
 
 }  // namespace undertow::fem

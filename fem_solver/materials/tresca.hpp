@@ -2,20 +2,9 @@
 // Tresca: linear elastic until the largest shear stress reaches s_u, then plastic at that shear.
 // The undrained strength of clay; at a friction angle of zero Mohr-Coulomb is the same.
 
-#include "fem_solver/materials/linear_elastic.hpp"
-#include "fem_solver/simd.hpp"
+#include "fem_solver/materials/plastic_flow.hpp"
 
 namespace undertow::fem {
-
-/// What one step of a plastic law leaves besides the stress.
-template <class T>
-struct PlasticFlow {
-    T strain;       // increment of the equivalent plastic strain, sqrt(2/3 d_eps_p : d_eps_p)
-    T work;         // [J/m3] d_eps_p : (stress before + stress after)/2: what is left of the
-                    // step's work is stored, exactly
-    T yielding;     // 1 where the stress flowed, else 0
-    T utilization;  // J2/s_u^2 of the elastic trial stress: below 1 is surely elastic
-};
 
 /// f = s1 - s3 - 2 s_u <= 0 with s1 >= s2 >= s3 the principal stresses; associated flow.   [Pa]
 ///
@@ -30,7 +19,13 @@ struct Tresca {
     LinearElastic elastic;
     double shear_strength;  // [Pa] s_u
 
-    static constexpr bool plastic = true;
+    static constexpr bool plastic = true, hardens = false;
+
+    /// Bounds hourglass stresses.   [Pa]
+    template <class T>
+    UNDERTOW_KERNEL double shear_limit(const Symmetric<T>& /*stress*/, const T& /*eps_p*/) const {
+        return shear_strength;
+    }
 
     template <class T>
     UNDERTOW_KERNEL void operator()(Symmetric<T>& s, const Symmetric<T>& d_eps, double dt,
@@ -43,7 +38,7 @@ struct Tresca {
             0.5 * (xx * xx + yy * yy + zz * zz) + (s.xy * s.xy + s.yz * s.yz + s.zx * s.zx);
         const double su2 = shear_strength * shear_strength;
         flow.strain = flow.work = flow.yielding = 0.0 * J2;
-        flow.utilization = (1 / su2) * J2;
+        flow.trial_J2 = J2;
         // the largest shear is at most sqrt(J2): most batches end here
         if (any(J2 > su2)) flow_back(before, p, J2, s, flow);
     }

@@ -35,6 +35,18 @@ Mesh make_mesh(const Case& c) {
     return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile, shells);
 }
 
+Hardening make_hardening(const FemMaterial& m) {
+    if (m.hardening_table.empty()) {
+        if (!(m.yield_stress > 0))
+            throw InputError("fem.material \"" + m.name + "\": yield_stress must be > 0.");
+        return Hardening::line(m.yield_stress, m.hardening);
+    }
+    if (m.hardening_table.size() > Hardening::most_pieces)
+        throw InputError("fem.material \"" + m.name + "\": hardening_table may have " +
+                         std::to_string(Hardening::most_pieces) + " rows at most.");
+    return Hardening::table(m.hardening_table);
+}
+
 Material make_material(const FemMaterial& m) {
     if (!(m.density > 0) || !(m.young_modulus > 0))
         throw InputError("fem.material \"" + m.name + "\": density and young_modulus must be > 0.");
@@ -43,29 +55,28 @@ Material make_material(const FemMaterial& m) {
                          "\": poisson_ratio = " + std::to_string(m.poisson_ratio) +
                          " must be > -1 and < 0.5 (0.49 is a good stand-in for 0.5).");
     const LinearElastic moduli = LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
-    if (m.kind != MaterialKind::tresca) return moduli;
+    switch (m.kind) {
+        case MaterialKind::linear_elastic:
+            return moduli;
+        case MaterialKind::j2:
+            return J2{moduli, make_hardening(m)};
+        case MaterialKind::tresca:
+            break;
+    }
     if (!(m.shear_strength > 0))
         throw InputError("fem.material \"" + m.name + "\": shear_strength must be > 0.");
     return Tresca{moduli, m.shear_strength};
 }
 
-/// What is beyond the moduli of `m` in a shell. InputError where material and element do not meet.
-std::optional<J2> make_plane_plastic(const FemMaterial& m, const FemPart& part) {
-    const bool shell = part.element == ElementFormulation::shell;
-    if (shell && !(part.thickness > 0))
+/// InputError where material and element do not meet.
+void check_shell(const FemMaterial& m, const FemPart& part) {
+    if (part.element != ElementFormulation::shell) return;
+    if (!(part.thickness > 0))
         throw InputError("fem.part \"" + part.set + "\": a shell needs thickness > 0.");
-    if (shell && m.kind == MaterialKind::tresca)
-        throw InputError("fem.part \"" + part.set +
-                         "\": a shell cannot be of kind = \"tresca\" (fem.material \"" + m.name +
+    if (m.kind != MaterialKind::linear_elastic && m.kind != MaterialKind::j2)
+        throw InputError("fem.part \"" + part.set + "\": a shell cannot be of kind = \"" +
+                         name_of(m.kind) + "\" (fem.material \"" + m.name +
                          "\"); use \"j2\" with yield_stress, or \"linear_elastic\".");
-    if (m.kind != MaterialKind::j2) return std::nullopt;
-    if (!shell)
-        throw InputError("fem.part \"" + part.set +
-                         "\": kind = \"j2\" (fem.material \"" + m.name +
-                         "\") is for element = \"shell\" alone; for solids use \"tresca\" with "
-                         "shear_strength, half of the yield stress.");
-    return J2{LinearElastic::from_young(m.young_modulus, m.poisson_ratio), m.yield_stress,
-              m.hardening};
 }
 
 std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
@@ -77,10 +88,15 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
         if (material == fem.material.end())
             throw InputError("fem.part \"" + p.set + "\": there is no fem.material \"" +
                              p.material + "\".");
-        Part part{p.set, mesh.elements_of(p.set, "fem.part"), material->density,
-                  make_material(*material), material->weight_density, p.element, p.thickness,
-                  make_plane_plastic(*material, p)};
-        part.implicit = p.implicit;
+        check_shell(*material, p);
+        Part part{p.set,
+                  mesh.elements_of(p.set, "fem.part"),
+                  material->density,
+                  make_material(*material),
+                  material->weight_density,
+                  p.element,
+                  p.thickness,
+                  p.implicit};
         for (std::int32_t e : part.elements) {
             if (part_of[e] >= 0)
                 throw InputError("fem.part: " + mesh.element_name(e) + " belongs to both \"" +

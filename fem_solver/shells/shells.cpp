@@ -30,8 +30,8 @@ Shells::Shells(const Mesh& mesh, const std::vector<Part>& parts)
     for (const Part& part : parts) {
         law_.push_back(make_law(part));
         const ShellLaw& law = law_.back();
-        if (part.plane_plastic)
-            section_.push_back(PlasticSection{law.thickness, *part.plane_plastic});
+        if (const J2* plastic = std::get_if<J2>(&part.material))
+            section_.push_back(PlasticSection{law.thickness, *plastic});
         else
             section_.push_back(ElasticSection{law.thickness, law.plane_modulus, law.poisson_ratio});
     }

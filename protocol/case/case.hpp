@@ -234,10 +234,19 @@ struct FemBlock {                        // [fem.block] structured mesh, instead
 };
 
 enum class MaterialKind { linear_elastic, tresca, j2 };
+inline const char* name_of(MaterialKind kind) {
+    switch (kind) {
+        case MaterialKind::tresca:
+            return "tresca";
+        case MaterialKind::j2:
+            return "j2";
+        default:
+            return "linear_elastic";
+    }
+}
 struct FemMaterial {                     // [[fem.material]]
     std::string name;
-    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca",
-                                         // "j2" (of shells)
+    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca", "j2"
     double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
     std::optional<double> weight_density{};  // [kg/m3] of the weight (under water: less the water's);
                                          // none = density
@@ -246,6 +255,8 @@ struct FemMaterial {                     // [[fem.material]]
     double shear_strength = 0;           // [Pa] s_u of "tresca"
     double yield_stress = 0;             // [Pa] of "j2"
     double hardening = 0;                // [Pa] of "j2": rise of the yield stress per plastic strain
+    std::vector<std::array<double, 2>> hardening_table{};  // of "j2", instead of these two: rows
+                                         // [plastic strain, yield stress in Pa], from 0 on
 };
 
 /// How the elements of a part compute their stress. `automatic`: hexahedra "one_point", tetrahedra

@@ -226,16 +226,15 @@ void to_json(Json& j, const FemBlock& v) {
 }
 void to_json(Json& j, const FemMaterial& v) {
     j = {{"name", v.name},
-         {"kind", v.kind == MaterialKind::tresca ? "tresca"
-                  : v.kind == MaterialKind::j2   ? "j2"
-                                                 : "linear_elastic"},
+         {"kind", name_of(v.kind)},
          {"density", v.density},
          {"weight_density", v.weight_density.value_or(v.density)},
          {"young_modulus", v.young_modulus},
          {"poisson_ratio", v.poisson_ratio},
          {"shear_strength", v.shear_strength},
          {"yield_stress", v.yield_stress},
-         {"hardening", v.hardening}};
+         {"hardening", v.hardening},
+         {"hardening_table", v.hardening_table}};
 }
 void to_json(Json& j, const FemPart& v) {
     j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},

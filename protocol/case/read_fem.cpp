@@ -61,6 +61,38 @@ void read_block(TableReader& reader, FemBlock& block, const CaseInfo& info) {
                       "forces of a 2D case are scaled by it.");
 }
 
+/// yield_stress and hardening, or hardening_table.
+void read_hardening(TableReader& reader, FemMaterial& material) {
+    reader.number("yield_stress", material.yield_stress, positive("Pa"));
+    reader.number("hardening", material.hardening, at_least(0, "Pa"));
+    constexpr std::size_t most_rows = 16;
+    reader.pairs("hardening_table", material.hardening_table, 2, most_rows,
+                 "rows [plastic strain, yield stress in Pa]");
+    if (material.kind != MaterialKind::j2) {
+        for (const char* key : {"yield_stress", "hardening", "hardening_table"})
+            if (reader.has(key)) reader.reject(key, "has no effect but on kind = \"j2\".");
+        return;
+    }
+    if (!reader.has("hardening_table")) {
+        reader.require("yield_stress", "the yield stress in uniaxial tension in Pa, or "
+                                       "hardening_table = [[plastic strain, Pa], ...]");
+        return;
+    }
+    for (const char* key : {"yield_stress", "hardening"})
+        if (reader.has(key))
+            reader.reject(key, "is one law too many: hardening_table has the yield stress at each "
+                               "plastic strain; keep one of the two.");
+    const auto& rows = material.hardening_table;
+    bool allowed = rows[0][0] == 0 && rows[0][1] > 0;
+    for (std::size_t k = 1; k < rows.size(); ++k)
+        allowed &= rows[k][0] > rows[k - 1][0] && rows[k][1] >= rows[k - 1][1];
+    if (!allowed)
+        reader.reject("hardening_table",
+                      "is not allowed: plastic strains must begin at 0 and increase, yield stresses "
+                      "must be > 0 and never fall.");
+    material.yield_stress = rows[0][1];
+}
+
 void read_material(TableReader& reader, FemMaterial& material) {
     reader.require("name", "a word that parts refer to");
     reader.require("density", "the density in kg/m3");
@@ -83,14 +115,7 @@ void read_material(TableReader& reader, FemMaterial& material) {
         reader.require("shear_strength", "the undrained shear strength s_u in Pa");
     else if (reader.has("shear_strength"))
         reader.reject("shear_strength", "has no effect but on kind = \"tresca\".");
-    reader.number("yield_stress", material.yield_stress, positive("Pa"));
-    reader.number("hardening", material.hardening, at_least(0, "Pa"));
-    if (material.kind == MaterialKind::j2) {
-        reader.require("yield_stress", "the yield stress in uniaxial tension in Pa");
-        return;
-    }
-    for (const char* key : {"yield_stress", "hardening"})
-        if (reader.has(key)) reader.reject(key, "has no effect but on kind = \"j2\".");
+    read_hardening(reader, material);
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.

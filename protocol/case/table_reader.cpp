@@ -199,6 +199,24 @@ void TableReader::polygon(const std::string& key, std::vector<std::array<double,
     if (!allowed) reject(key, "is not allowed: at least three corners [x, z] in m are expected.");
 }
 
+void TableReader::pairs(const std::string& key, std::vector<std::array<double, 2>>& target,
+                        std::size_t least, std::size_t most, const std::string& meaning) {
+    const Node* node = find(key);
+    if (!node) return;
+    const auto allowed = [](const Node& row) {
+        return row.is(Node::Kind::array) && row.items.size() == 2 &&
+               std::all_of(row.items.begin(), row.items.end(), [](const Node& item) {
+                   return is_number(item) && std::isfinite(item.number);
+               });
+    };
+    if (!node->is(Node::Kind::array) || node->items.size() < least || node->items.size() > most ||
+        !std::all_of(node->items.begin(), node->items.end(), allowed))
+        reject(key, "is not allowed: " + std::to_string(least) + " to " + std::to_string(most) +
+                        " " + meaning + " are expected.");
+    target.clear();
+    for (const Node& row : node->items) target.push_back({row.items[0].number, row.items[1].number});
+}
+
 void TableReader::points(const std::string& key, std::vector<Vec3>& target, std::size_t count) {
     const Node* node = find(key);
     if (!node) return;

@@ -64,6 +64,9 @@ class TableReader {
     void divisions(const std::string& key, std::array<int, 3>& target);
     /// [[x, z], ...], at least three corners.
     void polygon(const std::string& key, std::vector<std::array<double, 2>>& target);
+    /// [[a, b], ...], `least` to `most` rows; `meaning` of one, for messages.
+    void pairs(const std::string& key, std::vector<std::array<double, 2>>& target,
+               std::size_t least, std::size_t most, const std::string& meaning);
     /// [[x, y, z], ...], `count` points.
     void points(const std::string& key, std::vector<Vec3>& target, std::size_t count);
     /// { min = [...], max = [...] } with max > min in all of `axes`.

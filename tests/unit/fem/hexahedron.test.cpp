@@ -72,7 +72,10 @@ struct OneElement {
             constants.axis_weight[k] = 1 / squared;
         }
     }
-    void step(double dt) { step_hexahedron(x, dx, dt, constants, material, law, state, f, report); }
+    void step(double dt) {
+        double* none = nullptr;  // elastic: no plastic strain
+        step_hexahedron(x, dx, dt, constants, material, law, state, none, f, report);
+    }
 };
 
 TEST_CASE("volume and mean gradient are exact for a twisted hexahedron") {
@@ -121,8 +124,8 @@ TEST_CASE("the vector kernel repeats the scalar reference") {
         reference.push_back(e);
     }
     for (int repeat = 0; repeat < 2; ++repeat)
-        step_hexahedron(x, dx, dt, constants, reference[0].material, reference[0].law, state, f,
-                        report);
+        step_hexahedron(x, dx, dt, constants, reference[0].material, reference[0].law, state,
+                        static_cast<Lanes*>(nullptr), f, report);
     for (int l = 0; l < n_lanes; ++l) {
         OneElement& e = reference[l];
         e.step(dt);

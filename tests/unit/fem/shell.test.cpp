@@ -149,7 +149,7 @@ TEST_CASE("a shell that turns as a rigid body by 90 degrees keeps its stress to 
 
 /// A section of a shell, layered; 200 GPa, yields at 200 MPa.
 PlasticSection steel_section(double hardening) {
-    return {0.01, {LinearElastic::from_young(2e11, 0.3), 2e8, hardening}};
+    return {0.01, {LinearElastic::from_young(2e11, 0.3), Hardening::line(2e8, hardening)}};
 }
 
 TEST_CASE(

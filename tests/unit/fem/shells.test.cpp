@@ -397,10 +397,6 @@ TEST_CASE("what a shell cannot do is refused with a sentence") {
     c = block.settings();
     c.fem.support = {{"xmin", {"clamp"}}};
     CHECK_THROWS_WITH(build_model(c), Catch::Contains("do not turn"));
-    c = block.settings();
-    c.fem.material[0].kind = MaterialKind::j2;
-    c.fem.material[0].yield_stress = 1e6;
-    CHECK_THROWS_WITH(build_model(c), Catch::Contains("j2") && Catch::Contains("shell"));
 }
 
 }  // namespace

@@ -249,8 +249,9 @@ double bending_moment(double shear) {
         for (int d = 0; d < 3; ++d) x[d][n] = 0.5 * corner[n][d];
     for (int n = 0; n < 8; ++n) dx[0][n] = 1e-4 * (corner[n][0] * corner[n][2] + shear * x[1][n]);
     ElementReport<double> report;
+    double plastic_strain = 0;
     for (int k = 0; k < 200; ++k)
-        step_hexahedron(x, dx, 1.0, constants, law, constants_of_law, state, f, report);
+        step_hexahedron(x, dx, 1.0, constants, law, constants_of_law, state, &plastic_strain, f, report);
     // fiber stress 2 s_u at the faces of a cube of side 1: M = 2 s_u/6; four nodes at x = 1/2
     double moment = 0;
     for (int n = 0; n < 8; ++n)
