@@ -1,5 +1,6 @@
 #include "contact/candidates.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,131 +10,127 @@ namespace undertow::contact {
 
 namespace {
 
-// 21 bits per axis: 2 million cells along each, more than any coordinate range of a run needs.
-constexpr int axis_bits = 21;
-constexpr std::int64_t axis_mask = (std::int64_t(1) << axis_bits) - 1;
-
-std::uint64_t pack(std::int64_t i, std::int64_t j, std::int64_t k) {
-    return std::uint64_t(i & axis_mask) << (2 * axis_bits) |
-           std::uint64_t(j & axis_mask) << axis_bits | std::uint64_t(k & axis_mask);
-}
+// What float cannot hold of a distance: tests in float err by less, on the safe side.
+constexpr double float_margin = 1e-6;
+constexpr std::uint32_t nobody = 0xffffffffu;
 
 }  // namespace
 
-std::uint64_t FacetCells::key_of(const Vec& x) const {
-    const Vec cell = (x - origin_) / size_;
-    return pack(std::int64_t(std::floor(cell[0])), std::int64_t(std::floor(cell[1])),
-                std::int64_t(std::floor(cell[2])));
+/// Cells share buckets by chance: a facet of another cell is then tested in vain.
+std::size_t FacetCells::bucket_of(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const std::uint64_t key = std::uint64_t(i) * 0x8DA6B343C2B2AE35ull +
+                              std::uint64_t(j) * 0xD8163841FDE6A8F9ull + std::uint64_t(k);
+    return std::size_t((key * 0x9E3779B97F4A7C15ull) >> (64 - bits_));  // Fibonacci hashing
 }
 
-std::size_t FacetCells::bucket_of(std::uint64_t key) const {
-    return (key * 0x9E3779B97F4A7C15ull) >> (64 - bits_);  // Fibonacci hashing
-}
-
+/// visit(bucket, facet) for every cell that a facet comes within `range` of: facets rising, a
+/// bucket once for each of them.
 template <typename Visit>
-void FacetCells::for_each_cell(const Surface& surface, std::uint32_t facet, double range,
-                               Visit visit) const {
-    const Corners shape = surface.shape(facet);
-    const FacetFrame& frame = frame_[facet];
-    Vec low = shape.x[0], high = shape.x[0];
-    for (const Vec& corner : shape.x) {
-        low = low.cwiseMin(corner);
-        high = high.cwiseMax(corner);
+void FacetCells::for_each_bucket(const Surface& surface, double range, Visit visit) {
+    last_.assign(std::size_t(1) << bits_, nobody);
+    const double per_size = 1 / size_;
+    for (std::uint32_t f = 0; f < surface.facets(); ++f) {
+        const Corners c = surface.shape(f);
+        Vec low = c.x[0].cwiseMin(c.x[1]).cwiseMin(c.x[2].cwiseMin(c.x[3]));
+        Vec high = c.x[0].cwiseMax(c.x[1]).cwiseMax(c.x[2].cwiseMax(c.x[3]));
+        low = (low.array() - range - origin_.array()) * per_size;
+        high = (high.array() + range - origin_.array()) * per_size;
+        // The box of a slanted facet has corners that the facet never comes near: all of it lies
+        // within `warp` of its mean plane.
+        const Vec center = 0.25 * (c.x[0] + c.x[1] + c.x[2] + c.x[3]);
+        const Vec area = (c.x[2] - c.x[0]).cross(c.triangle ? c.x[1] - c.x[0] : c.x[3] - c.x[1]);
+        const double length = area.norm(), per_length = length > 0 ? 1 / length : 0;
+        const double warp = std::abs(area.dot(c.x[0] - center)) * per_length;
+        const double reach = warp + range + 0.8660254037844387 * size_;  // half a cell's diagonal
+        const Vec n = area * (per_length * size_), first = (origin_ - center) * per_length;
+        const double base = area.dot(first) + 0.5 * n.sum();
+        for (auto i = std::int64_t(std::floor(low[0])); i <= std::int64_t(std::floor(high[0])); ++i)
+            for (auto j = std::int64_t(std::floor(low[1])); j <= std::int64_t(std::floor(high[1]));
+                 ++j)
+                for (auto k = std::int64_t(std::floor(low[2]));
+                     k <= std::int64_t(std::floor(high[2])); ++k) {
+                    const double height =
+                        base + n[0] * double(i) + n[1] * double(j) + n[2] * double(k);
+                    if (std::abs(height) > reach) continue;
+                    const std::size_t bucket = bucket_of(i, j, k);
+                    if (last_[bucket] == f) continue;
+                    last_[bucket] = f;
+                    visit(bucket, f);
+                }
     }
-    const Vec first = (low.array() - range - origin_.array()) / size_;
-    const Vec last = (high.array() + range - origin_.array()) / size_;
-    // The box of a slanted facet has corners that the facet never comes near.
-    const double cell_reach =
-        frame.warp + range + 0.8660254037844387 * size_;  // half a cell's diagonal
-    for (auto i = std::int64_t(std::floor(first[0])); i <= std::int64_t(std::floor(last[0])); ++i)
-        for (auto j = std::int64_t(std::floor(first[1])); j <= std::int64_t(std::floor(last[1]));
-             ++j)
-            for (auto k = std::int64_t(std::floor(first[2]));
-                 k <= std::int64_t(std::floor(last[2])); ++k) {
-                const Vec middle =
-                    origin_ + size_ * Vec(double(i) + 0.5, double(j) + 0.5, double(k) + 0.5);
-                if (std::abs(frame.normal.dot(middle - frame.center)) <= cell_reach)
-                    visit(pack(i, j, k));
-            }
 }
 
 void FacetCells::fill(const Surface& surface, double range) {
     const std::uint32_t facets = std::uint32_t(surface.facets());
-    frame_.resize(facets);
+    ball_.resize(facets);
     Vec low = Vec::Constant(std::numeric_limits<double>::infinity());
+    for (std::uint32_t f = 0; f < facets; ++f) low = low.cwiseMin(surface.shape(f).x[0]);
+    origin_ = low;
     double mean_size = 0;
     for (std::uint32_t f = 0; f < facets; ++f) {
-        frame_[f] = surface.frame(f);
-        mean_size += (frame_[f].outline[0] + frame_[f].outline[2]) / facets;
-        low = low.cwiseMin(frame_[f].center);
+        const Corners shape = surface.shape(f);
+        const Vec center = 0.25 * (shape.x[0] + shape.x[1] + shape.x[2] + shape.x[3]);
+        double radius2 = 0;
+        for (const Vec& corner : shape.x)
+            radius2 = std::max(radius2, (corner - center).squaredNorm());
+        const double radius = std::sqrt(radius2);
+        mean_size += 1.4142135623730951 * radius / facets;  // edge of a square
+        const Vec at = center - origin_;
+        ball_[f] = {{float(at[0]), float(at[1]), float(at[2])},
+                    float(radius + float_margin * (radius + at.norm()))};
     }
     // Larger cells hold facets that are tested in vain, smaller ones repeat each facet in many
     // cells; a test costs less than an entry.
     size_ = mean_size + range;
-    origin_ = low;
+    bits_ = std::max(4, int(std::bit_width(2 * std::size_t(facets))));
 
-    unsorted_.clear();
-    for (std::uint32_t f = 0; f < facets; ++f) {
-        const Vec center = frame_[f].center - origin_;
-        double radius = 0;
-        for (const Vec& corner : surface.shape(f).x)
-            radius = std::max(radius, (corner - frame_[f].center).norm());
-        radius += 1e-6 * (radius + center.norm());  // for what float cannot hold
-        const Entry ball{
-            0, f, {float(center[0]), float(center[1]), float(center[2])}, float(radius)};
-        for_each_cell(surface, f, range, [&](std::uint64_t key) {
-            unsorted_.push_back(ball);
-            unsorted_.back().key = key;
-        });
-    }
-
-    // Counting sort into buckets. Filled from the back, each bucket's end moves to its start.
-    bits_ = std::max(4, int(std::bit_width(unsorted_.size())));
+    // Counting sort into buckets, facets rising within each.
     start_.assign((std::size_t(1) << bits_) + 2, 0);
-    entry_.resize(unsorted_.size());
-    for (const Entry& entry : unsorted_) ++start_[bucket_of(entry.key)];
-    for (std::size_t b = 1; b < start_.size(); ++b) start_[b] += start_[b - 1];
-    for (std::size_t e = unsorted_.size(); e-- > 0;)
-        entry_[--start_[bucket_of(unsorted_[e].key)]] = unsorted_[e];
+    for_each_bucket(surface, range, [&](std::size_t b, std::uint32_t) { ++start_[b + 2]; });
+    for (std::size_t b = 2; b < start_.size(); ++b) start_[b] += start_[b - 1];
+    entry_.resize(start_.back());
+    for_each_bucket(surface, range,
+                    [&](std::size_t b, std::uint32_t f) { entry_[start_[b + 1]++] = f; });
 }
 
 void FacetCells::search(const Points& points, const Surface& surface, double skin,
                         CandidateList& found) {
     double largest_radius = 0;
     for (double radius : points.radius) largest_radius = std::max(largest_radius, radius);
-    fill(surface, largest_radius + skin);
+    // A billionth more: a particle on the border of a cell must not be lost to round-off.
+    fill(surface, (1 + 1e-9) * (largest_radius + skin));
 
     found.row.clear();
     found.start.assign(1, 0);
     found.facet.clear();
-    is_used_.assign(surface.facets(), 0);
+    found.distance.clear();
+    const double per_size = 1 / size_;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const Vec x = Vec::Map(&points.x[3 * std::size_t(i)]);
         const double range = points.radius[i] + skin;
-        const std::uint64_t key = key_of(x);
-        const std::size_t bucket = bucket_of(key);
         const Vec from_origin = x - origin_;
+        const std::size_t bucket = bucket_of(std::int64_t(std::floor(from_origin[0] * per_size)),
+                                             std::int64_t(std::floor(from_origin[1] * per_size)),
+                                             std::int64_t(std::floor(from_origin[2] * per_size)));
         const float px = float(from_origin[0]), py = float(from_origin[1]),
-                    pz = float(from_origin[2]), ball = float(range * (1 + 1e-6));
+                    pz = float(from_origin[2]),
+                    own = float(range + float_margin * (range + from_origin.norm()));
         for (std::uint32_t e = start_[bucket]; e < start_[bucket + 1]; ++e) {
-            const Entry& entry = entry_[e];
-            const float dx = px - entry.center[0], dy = py - entry.center[1],
-                        dz = pz - entry.center[2], far = entry.radius + ball;
-            if (dx * dx + dy * dy + dz * dz > far * far || entry.key != key) continue;
-            const std::uint32_t facet = entry.facet;
-            if (frame_[facet].is_beyond(x - frame_[facet].center, range)) continue;
-            if (closest_point(x, surface.shape(facet)).distance > range) continue;
+            const std::uint32_t facet = entry_[e];
+            const Ball& ball = ball_[facet];
+            const float dx = px - ball.center[0], dy = py - ball.center[1],
+                        dz = pz - ball.center[2], far = ball.radius + own;
+            if (dx * dx + dy * dy + dz * dz > far * far) continue;
+            const double distance = closest_point(x, surface.shape(facet)).distance;
+            if (distance > range) continue;
             found.facet.push_back(facet);
-            is_used_[facet] = 1;
+            found.distance.push_back(float(distance * (1 - float_margin)));
         }
         if (found.facet.size() > found.start.back()) {
             found.row.push_back(i);
             found.start.push_back(std::uint32_t(found.facet.size()));
         }
     }
-    found.used.clear();
-    for (std::uint32_t f = 0; f < is_used_.size(); ++f)
-        if (is_used_[f]) found.used.push_back(f);
 }
 
 }  // namespace undertow::contact

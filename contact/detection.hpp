@@ -51,20 +51,46 @@ struct Contact {
     Vec force = Vec::Zero();     // [N] on the particle, normal and friction
 };
 
-/// Finds the contacts of all active particles; the result does not depend on the thread count.
+class TouchList;
+
+/// Finds the contacts of all active particles; the result does not depend on the thread count, nor
+/// on what is skipped.
+///
+/// Most tests end before they begin: of each candidate the distance is known that it had when the
+/// particle was last looked at closely. Until particle and surface together have moved by what that
+/// distance exceeds the particle's reach, the facet cannot touch. A particle that has moved by a
+/// share of its radius is looked at anew.
 class Detector {
  public:
     explicit Detector(DetectionRules rules = {}, int threads = 1);
 
+    /// The candidates were searched anew, with particles and surface where they are now.
+    void renew(const Points& active, const Surface& surface, const CandidateList& candidates);
+
     /// contacts: ordered by particle, then depth. Returns the largest step [s] during which no
-    /// particle moves by more than step_share * l0 towards a facet it may touch.
+    /// particle moves by more than step_share * l0 towards a facet it may touch. Particles too slow
+    /// to do so within `longest_dt` [s] are not asked: a result above it says only that much.
     double detect(const Points& active, const Surface& surface, const CandidateList& candidates,
-                  std::vector<Contact>& contacts);
+                  double longest_dt, std::vector<Contact>& contacts);
 
  private:
+    /// Of an active particle, when its candidates were last looked at closely.
+    struct Look {
+        Vec x;          // [m]
+        double travel;  // [m] travel_ at that time
+        float nearest;  // [m] of its candidates, rounded down
+    };
+    void follow(const Surface& surface);
+    void find_touches(const Points& active, const Surface& surface, const CandidateList& candidates,
+                      std::size_t i, TouchList& touches);
+
     DetectionRules rules_;
     int threads_;
-    std::vector<FacetFrame> frame_;  // of candidates.used, by facet
+    std::vector<Look> look_;       // per active particle
+    std::vector<float> distance_;  // [m] per candidate, at its particle's look
+    std::vector<double> x_nodes_;  // [m] of the last step
+    double travel_ = 0;            // [m] no node has moved farther since the search
+    double node_speed_ = 0;        // [m/s] no node is faster
     std::vector<std::vector<Contact>> per_thread_;
 };
 

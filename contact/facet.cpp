@@ -8,60 +8,80 @@ namespace undertow::contact {
 
 namespace {
 
-enum class Region : std::uint8_t { inside, a, b, c, ab, bc, ca };
+// The four pieces of a quad side by side, one to a lane: a warped facet costs no more than a flat
+// one, and no branch depends on where the point lies.
+using Lanes = double __attribute__((vector_size(32)));
+using LaneMask = std::int64_t __attribute__((vector_size(32)));
 
-struct PieceFoot {
-    double wa, wb, wc;
-    double distance2;  // [m2]
-    Region region;
+struct LaneVec {
+    Lanes x, y, z;
 };
 
-/// Closest point of triangle abc by its Voronoi regions.
-PieceFoot closest_on_piece(const Vec& p, const Vec& a, const Vec& b, const Vec& c) {
-    const Vec ab = b - a, ac = c - a, ap = p - a;
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0 && d2 <= 0) return {1, 0, 0, ap.squaredNorm(), Region::a};
-
-    const Vec bp = p - b;
-    const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0 && d4 <= d3) return {0, 1, 0, bp.squaredNorm(), Region::b};
-
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-        const double t = d1 / (d1 - d3);
-        return {1 - t, t, 0, (ap - t * ab).squaredNorm(), Region::ab};
-    }
-
-    const Vec cp = p - c;
-    const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0 && d5 <= d6) return {0, 0, 1, cp.squaredNorm(), Region::c};
-
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-        const double t = d2 / (d2 - d6);
-        return {1 - t, 0, t, (ap - t * ac).squaredNorm(), Region::ca};
-    }
-
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-        const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return {0, 1 - t, t, (bp - t * (c - b)).squaredNorm(), Region::bc};
-    }
-
-    const double scale = 1 / (va + vb + vc), wb = vb * scale, wc = vc * scale;
-    return {1 - wb - wc, wb, wc, (ap - wb * ab - wc * ac).squaredNorm(), Region::inside};
+Lanes spread(double value) {
+    return Lanes{value, value, value, value};
+}
+LaneVec spread(const Vec& v) {
+    return {spread(v[0]), spread(v[1]), spread(v[2])};
+}
+LaneVec operator-(const LaneVec& a, const LaneVec& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+LaneVec operator*(const Lanes& s, const LaneVec& a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+Lanes dot(const LaneVec& a, const LaneVec& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+/// The next corner in each lane.
+Lanes turned(const Lanes& a) {
+    return __builtin_shuffle(a, LaneMask{1, 2, 3, 0});
 }
 
-/// The piece whose sector about the centroid holds the point: it holds the foot, too, whenever the
-/// foot lies inside a flat facet.
-int sector(const Vec& from_center, const std::array<Vec, 4>& spoke, const Vec& normal) {
-    bool left_of_previous = normal.cross(spoke[0]).dot(from_center) >= 0;
-    for (int k = 0; k < 4; ++k) {
-        const bool left_of_next = normal.cross(spoke[(k + 1) & 3]).dot(from_center) >= 0;
-        if (left_of_previous && !left_of_next) return k;
-        left_of_previous = left_of_next;
-    }
-    return 0;
+// Where the foot of a piece abc lies: in it, on an edge, on a corner.
+enum Region : std::int64_t { inside, bc, ca, c, ab, b, a };
+
+struct PieceFeet {
+    Lanes wa, wb, wc;
+    Lanes distance2;  // [m2]
+    LaneMask region;
+};
+
+/// Closest points of triangles abc by their Voronoi regions; ap = p - a, and so on.
+PieceFeet closest_on_pieces(const LaneVec& ab_, const LaneVec& ac, const LaneVec& ap,
+                            const LaneVec& bp, const LaneVec& cp) {
+    const Lanes d1 = dot(ab_, ap), d2 = dot(ac, ap), d3 = dot(ab_, bp), d4 = dot(ac, bp),
+                d5 = dot(ab_, cp), d6 = dot(ac, cp);
+    const Lanes va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+    const Lanes none = spread(0), one = spread(1);
+
+    // Weights of b and c over a common denominator; later regions take precedence.
+    Lanes over = va + vb + vc, nb = vb, nc = vc;
+    LaneMask region = LaneMask{inside, inside, inside, inside};
+    const auto choose = [&](const LaneMask& here, std::int64_t name, const Lanes& b_,
+                            const Lanes& c_, const Lanes& whole) {
+        nb = here ? b_ : nb;
+        nc = here ? c_ : nc;
+        over = here ? whole : over;
+        region = here ? LaneMask{name, name, name, name} : region;
+    };
+    const Lanes d43 = d4 - d3, d56 = d5 - d6;
+    choose((va <= none) & (d43 >= none) & (d56 >= none), bc, d56, d43, d43 + d56);
+    choose((vb <= none) & (d2 >= none) & (d6 <= none), ca, none, d2, d2 - d6);
+    choose((d6 >= none) & (d5 <= d6), c, none, one, one);
+    choose((vc <= none) & (d1 >= none) & (d3 <= none), ab, d1, none, d1 - d3);
+    choose((d3 >= none) & (d4 <= d3), b, one, none, one);
+    choose((d1 <= none) & (d2 <= none), a, none, none, one);
+
+    PieceFeet feet;
+    const Lanes share = one / over;
+    feet.wc = nc * share;
+    const LaneMask on_bc = region == LaneMask{bc, bc, bc, bc};
+    feet.wb = on_bc ? one - feet.wc : nb * share;
+    feet.wa = on_bc ? none : one - feet.wb - feet.wc;
+    const LaneVec offset = ap - feet.wb * ab_ - feet.wc * ac;
+    feet.distance2 = dot(offset, offset);
+    feet.region = region;
+    return feet;
 }
 
 /// Foot with weights made exact: the offset is measured from sum_a w_a x_a itself.
@@ -73,13 +93,15 @@ void finish(Foot& foot, const Vec& point, const Corners& facet, const Vec& plane
 }
 
 Foot closest_on_triangle(const Vec& point, const Corners& facet) {
-    static constexpr std::uint8_t rim_of[] = {0, 1, 2, 4, 1 | 2, 2 | 4, 4 | 1};
+    static constexpr std::uint8_t rim_of[] = {0, 2 | 4, 4 | 1, 4, 1 | 2, 2, 1};
     const auto& x = facet.x;
-    const PieceFoot piece = closest_on_piece(point, x[0], x[1], x[2]);
+    const Vec ab_ = x[1] - x[0], ac = x[2] - x[0];
+    const PieceFeet feet = closest_on_pieces(spread(ab_), spread(ac), spread(Vec(point - x[0])),
+                                             spread(Vec(point - x[1])), spread(Vec(point - x[2])));
     Foot foot;
-    foot.weight = {piece.wa, piece.wb, piece.wc, 0};
-    foot.rim = rim_of[static_cast<int>(piece.region)];
-    finish(foot, point, facet, (x[1] - x[0]).cross(x[2] - x[0]));
+    foot.weight = {feet.wa[0], feet.wb[0], feet.wc[0], 0};
+    foot.rim = rim_of[feet.region[0]];
+    finish(foot, point, facet, ab_.cross(ac));
     return foot;
 }
 
@@ -90,46 +112,39 @@ Foot closest_point(const Vec& point, const Corners& facet) {
 
     const auto& x = facet.x;
     const Vec center = 0.25 * (x[0] + x[1] + x[2] + x[3]);
-    const std::array<Vec, 4> spoke{x[0] - center, x[1] - center, x[2] - center, x[3] - center};
-    const Vec diagonal_normal = (x[2] - x[0]).cross(x[3] - x[1]);  // twice the area, along n
-    // Of a flat facet the piece below the point is the answer; of a warped one a neighboring piece
-    // may be nearer. Half a warp of 1e-9 of the size is round-off.
-    const double height = std::abs(diagonal_normal.dot(spoke[0]));
-    const double size2 = diagonal_normal.norm();
-    const bool flat = height <= 1e-9 * size2 * std::sqrt(size2);
+    const LaneVec corner{{x[0][0], x[1][0], x[2][0], x[3][0]},
+                         {x[0][1], x[1][1], x[2][1], x[3][1]},
+                         {x[0][2], x[1][2], x[2][2], x[3][2]}};
+    const LaneVec ap = spread(point) - corner, bp{turned(ap.x), turned(ap.y), turned(ap.z)};
+    const LaneVec ac = spread(center) - corner;
+    const PieceFeet feet = closest_on_pieces(ap - bp, ac, ap, bp, ap - ac);
 
-    const int first = sector(point - center, spoke, diagonal_normal);
-    int best_k = first;
-    PieceFoot best{0, 0, 0, std::numeric_limits<double>::infinity(), Region::inside};
-    for (int i = 0; i < 4; ++i) {
-        const int k = (first + i) & 3;
-        const PieceFoot piece = closest_on_piece(point, x[k], x[(k + 1) & 3], center);
-        if (piece.distance2 < best.distance2) {
-            best = piece;
-            best_k = k;
+    int k = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int piece = 0; piece < 4; ++piece)
+        if (feet.distance2[piece] < nearest) {
+            nearest = feet.distance2[piece];
+            k = piece;
         }
-        if (flat && piece.region == Region::inside) break;
-    }
-
-    const int a = best_k, b = (best_k + 1) & 3;
+    const int next = (k + 1) & 3;
     Foot foot;
-    foot.weight.fill(0.25 * best.wc);
-    foot.weight[a] += best.wa;
-    foot.weight[b] += best.wb;
-    switch (best.region) {
-        case Region::a:
-            foot.rim = std::uint8_t(1 << a);
+    foot.weight.fill(0.25 * feet.wc[k]);
+    foot.weight[k] += feet.wa[k];
+    foot.weight[next] += feet.wb[k];
+    switch (feet.region[k]) {
+        case a:
+            foot.rim = std::uint8_t(1 << k);
             break;
-        case Region::b:
-            foot.rim = std::uint8_t(1 << b);
+        case b:
+            foot.rim = std::uint8_t(1 << next);
             break;
-        case Region::ab:
-            foot.rim = std::uint8_t(1 << a | 1 << b);
+        case ab:
+            foot.rim = std::uint8_t(1 << k | 1 << next);
             break;
         default:
             foot.rim = 0;
     }
-    finish(foot, point, facet, spoke[a].cross(spoke[b]));
+    finish(foot, point, facet, (x[k] - center).cross(x[next] - center));
     return foot;
 }
 

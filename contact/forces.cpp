@@ -37,132 +37,151 @@ void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
         in_contact_.clear();
     }
     next_.resize(active.size());
-    share_masses(active, surface, contacts);
+    clear(active.size(), surface.nodes());
+    share_masses(surface, contacts);
 
     // Tangential and normal dampers of one contact act at right angles: each may use the whole
     // budget beta + 2 eta that the contact holds of a node, and never more than stops the slip.
     const double eta_t = std::min(1.0, 0.5 * settings_.beta + settings_.eta);
     const Eq11Stiffness limit{settings_.beta, dt};
     const NormalDamping damping{settings_.beta, settings_.eta, dt};
-    if (settings_.stiffness == StiffnessKind::fluid)
-        choose_stiffness(FluidStiffness{limit, settings_.chi}, active, contacts);
-    else
-        choose_stiffness(limit, active, contacts);
+    const auto with_friction = [&](const auto& friction) {
+        if (settings_.stiffness == StiffnessKind::fluid)
+            push(FluidStiffness{limit, settings_.chi}, damping, friction, active, surface,
+                 contacts);
+        else
+            push(limit, damping, friction, active, surface, contacts);
+    };
     if (settings_.friction == FrictionKind::coulomb)
-        apply(damping, CoulombFriction{settings_.mu, eta_t, dt}, contacts);
+        with_friction(CoulombFriction{settings_.mu, eta_t, dt});
     else
-        apply(damping, ViscousFriction{settings_.alpha, settings_.mu, eta_t, dt}, contacts);
-    sum(surface, contacts, active.size());
+        with_friction(ViscousFriction{settings_.alpha, settings_.mu, eta_t, dt});
+    sum(surface, contacts);
 }
 
-void ForceLaw::share_masses(const Points& active, const Surface& surface,
-                            std::vector<Contact>& contacts) {
-    share_.assign(surface.nodes(), 0);
-    contacts_of_.assign(active.size(), 0);
+void ForceLaw::clear(std::size_t particles, std::size_t nodes) {
+    node_sum_.resize(nodes);
+    is_touched_.resize(nodes, 0);
+    node_force_.resize(3 * nodes, 0);
+    for (std::int32_t node : touched_) {
+        node_sum_[node] = {};
+        is_touched_[node] = 0;
+        for (int axis = 0; axis < 3; ++axis) node_force_[3 * std::size_t(node) + axis] = 0;
+    }
+    touched_.clear();
+    contacts_of_.assign(particles, 0);
+    particle_sum_.assign(3 * particles, 0);
+    particle_force_.assign(3 * particles, 0);
+}
+
+/// S_a and c_i of the effective masses.
+void ForceLaw::share_masses(const Surface& surface, const std::vector<Contact>& contacts) {
     for (const Contact& contact : contacts) {
         ++contacts_of_[contact.particle];
         const std::int32_t* q = surface.corners(contact.facet);
-        for (int a = 0; a < 4; ++a) share_[q[a]] += std::llrint(contact.weight[a] * one_share);
+        for (int a = 0; a < 4; ++a) {
+            node_sum_[q[a]].share += std::llrint(contact.weight[a] * one_share);
+            if (is_touched_[q[a]]) continue;
+            is_touched_[q[a]] = 1;
+            touched_.push_back(q[a]);
+        }
     }
+}
+
+/// Mass, stiffness and force of every contact.
+template <typename Stiffness, typename Friction>
+void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
+                    const Friction& friction, const Points& active, const Surface& surface,
+                    std::vector<Contact>& contacts) {
+    relaxation_ = 0;
+    former_.swap(in_contact_);
+    in_contact_.clear();
+    double largest = 0, health = 0;  // health is NaN as soon as one force is NaN or infinite
     for (Contact& contact : contacts) {
         const std::int32_t* q = surface.corners(contact.facet);
         double inverse = (settings_.scale_by_valence ? contacts_of_[contact.particle] : 1) /
                          active.mass[contact.particle];
         for (int a = 0; a < 4; ++a) {
-            const double share =
-                settings_.scale_by_valence ? double(share_[q[a]]) / one_share : contact.weight[a];
-            inverse += contact.weight[a] * share / surface.mass(q[a]);
+            const double share = settings_.scale_by_valence
+                                     ? double(node_sum_[q[a]].share) * (1 / one_share)
+                                     : contact.weight[a];
+            inverse += contact.weight[a] * share * surface.inverse_mass(q[a]);
         }
-        contact.mass = 1 / inverse;
-    }
-}
+        const double m_c = 1 / inverse;
 
-template <typename Stiffness>
-void ForceLaw::choose_stiffness(const Stiffness& stiffness, const Points& active,
-                                std::vector<Contact>& contacts) {
-    relaxation_ = 0;
-    for (Contact& contact : contacts) {
+        // Within a contact the stiffness falls or stays.
         const Memory& before = memory_[contact.particle];
-        contact.stiffness = stiffness(contact.mass, active.stiffness[contact.particle]);
+        double k = stiffness_of(m_c, active.stiffness[contact.particle]);
         if (before.stiffness > 0) {
-            const double drop = before.stiffness - contact.stiffness;
+            const double drop = before.stiffness - k;
             if (drop > 0) relaxation_ += 0.5 * drop * contact.depth * before.depth;
-            contact.stiffness = std::min(contact.stiffness, before.stiffness);
+            k = std::min(k, before.stiffness);
         }
-    }
-    // A particle in a corner remembers the softest of its contacts and the deepest penetration.
-    // Whoever has left the surface has no entry and starts anew at the next touch.
-    former_.swap(in_contact_);
-    in_contact_.clear();
-    for (const Contact& contact : contacts) {
+        // A particle in a corner remembers the softest of its contacts and the deepest penetration.
+        // Whoever has left the surface has no entry and starts anew at the next touch.
         Memory& next = next_[contact.particle];
         if (next.stiffness == 0) {
-            next = {contact.stiffness, contact.depth};
+            next = {k, contact.depth};
             in_contact_.push_back(contact.particle);
         } else {
-            next.stiffness = std::min(next.stiffness, contact.stiffness);
+            next.stiffness = std::min(next.stiffness, k);
             next.depth = std::max(next.depth, contact.depth);
         }
-    }
-    for (std::uint32_t i : former_) memory_[i] = {};
-    memory_.swap(next_);  // next_ is all empty again
-}
 
-/// f_n = max(0, k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
-template <typename Friction>
-void ForceLaw::apply(const NormalDamping& damping, const Friction& friction,
-                     std::vector<Contact>& contacts) const {
-    for (Contact& contact : contacts) {
-        const double elastic = contact.stiffness * contact.depth;
-        const double c = damping(contact.mass, contact.stiffness);
-        contact.normal_force = std::max(0.0, elastic + c * contact.closing);
-        contact.damping_force = contact.normal_force - elastic;
+        /// f_n = max(0, k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
+        const double elastic = k * contact.depth;
+        const double f_n = std::max(0.0, elastic + damping(m_c, k) * contact.closing);
         const double speed = contact.slip.norm();
-        const double drag = friction(contact.mass, contact.normal_force, speed);
-        contact.friction = speed > 0 ? Vec(-drag / speed * contact.slip) : Vec(Vec::Zero());
-        contact.force = contact.normal_force * contact.normal + contact.friction;
-    }
-}
-
-void ForceLaw::sum(const Surface& surface, const std::vector<Contact>& contacts,
-                   std::size_t particles) {
-    particle_sum_.assign(3 * particles, 0);
-    node_sum_.assign(3 * surface.nodes(), 0);
-    double largest = 0, health = 0;  // health is NaN as soon as one force is NaN or infinite
-    for (const Contact& contact : contacts) {
+        const double drag = friction(m_c, f_n, speed);
+        contact.mass = m_c;
+        contact.stiffness = k;
+        contact.normal_force = f_n;
+        contact.damping_force = f_n - elastic;
+        contact.friction = (speed > 0 ? -drag / speed : 0.0) * contact.slip;
+        contact.force = f_n * contact.normal + contact.friction;
         largest = std::max(largest, contact.force.cwiseAbs().maxCoeff());
         health += 0 * contact.force.sum();
     }
+    for (std::uint32_t i : former_) memory_[i] = {};
+    memory_.swap(next_);  // next_ is all empty again
+    largest_ = largest;
     finite_ = health == 0;
+}
+
+void ForceLaw::sum(const Surface& surface, const std::vector<Contact>& contacts) {
     quantum_ = 0;
     // Forces whose quantum would be no normal number are zero for every purpose.
-    if (finite_ && largest > std::ldexp(std::numeric_limits<double>::min(), force_bits + 1)) {
-        quantum_ = std::ldexp(1.0, std::ilogb(largest) + 1 - force_bits);
-        const double per_quantum = 1 / quantum_;
-        for (const Contact& contact : contacts) {
-            const std::int32_t* q = surface.corners(contact.facet);
-            const int rest = int(std::max_element(contact.weight.begin(), contact.weight.end()) -
-                                 contact.weight.begin());
+    if (!finite_ || largest_ <= std::ldexp(std::numeric_limits<double>::min(), force_bits + 1))
+        return;
+    quantum_ = std::ldexp(1.0, std::ilogb(largest_) + 1 - force_bits);
+    const double per_quantum = 1 / quantum_;
+    for (const Contact& contact : contacts) {
+        const std::int32_t* q = surface.corners(contact.facet);
+        int rest = 0;  // the node with the largest weight takes the remainder: nothing is lost
+        for (int a = 1; a < 4; ++a)
+            if (contact.weight[a] > contact.weight[rest]) rest = a;
+        std::array<std::int64_t, 3> left;
+        for (int axis = 0; axis < 3; ++axis) {
+            left[axis] = std::llrint(contact.force[axis] * per_quantum);
+            particle_sum_[3 * std::size_t(contact.particle) + axis] += left[axis];
+        }
+        const std::array<std::int64_t, 3> whole = left;
+        for (int a = 0; a < 4; ++a) {
+            if (a == rest) continue;
             for (int axis = 0; axis < 3; ++axis) {
-                const std::int64_t whole = std::llrint(contact.force[axis] * per_quantum);
-                std::int64_t given = 0;
-                for (int a = 0; a < 4; ++a) {
-                    if (a == rest) continue;
-                    const std::int64_t part = std::llrint(contact.weight[a] * double(whole));
-                    node_sum_[3 * q[a] + axis] -= part;
-                    given += part;
-                }
-                node_sum_[3 * q[rest] + axis] -= whole - given;  // the remainder: nothing is lost
-                particle_sum_[3 * contact.particle + axis] += whole;
+                const std::int64_t part = std::llrint(contact.weight[a] * double(whole[axis]));
+                node_sum_[q[a]].force[axis] -= part;
+                left[axis] -= part;
             }
         }
+        for (int axis = 0; axis < 3; ++axis) node_sum_[q[rest]].force[axis] -= left[axis];
     }
-    particle_force_.resize(particle_sum_.size());
-    node_force_.resize(node_sum_.size());
     for (std::size_t i = 0; i < particle_sum_.size(); ++i)
         particle_force_[i] = double(particle_sum_[i]) * quantum_;
-    for (std::size_t i = 0; i < node_sum_.size(); ++i)
-        node_force_[i] = double(node_sum_[i]) * quantum_;
+    for (std::int32_t node : touched_)
+        for (int axis = 0; axis < 3; ++axis)
+            node_force_[3 * std::size_t(node) + axis] =
+                double(node_sum_[node].force[axis]) * quantum_;
 }
 
 double ForceLaw::momentum_residual() const {

@@ -51,33 +51,42 @@ class ForceLaw {
 
     std::span<const double> on_particles() const { return particle_force_; }  // [N] (A, 3)
     std::span<const double> on_nodes() const { return node_force_; }          // [N] (N, 3)
-    double quantum() const { return quantum_; }                               // [N]
+    /// Nodes of the facets in contact, each once: all others have no force.
+    std::span<const std::int32_t> touched_nodes() const { return touched_; }
+    double quantum() const { return quantum_; }        // [N]
     double relaxation() const { return relaxation_; }  // [J] lost by falling stiffness, this step
     bool finite() const { return finite_; }            // no NaN, no overflow in this step
     /// [N] largest component of the sum of all forces of this step: exactly 0, or a defect.
     double momentum_residual() const;
 
  private:
-    void share_masses(const Points& active, const Surface& surface, std::vector<Contact>& contacts);
-    template <typename Stiffness>
-    void choose_stiffness(const Stiffness& stiffness, const Points& active,
-                          std::vector<Contact>& contacts);
-    template <typename Friction>
-    void apply(const NormalDamping& damping, const Friction& friction,
-               std::vector<Contact>& contacts) const;
-    void sum(const Surface& surface, const std::vector<Contact>& contacts, std::size_t particles);
+    void share_masses(const Surface& surface, const std::vector<Contact>& contacts);
+    template <typename Stiffness, typename Friction>
+    void push(const Stiffness& stiffness, const NormalDamping& damping, const Friction& friction,
+              const Points& active, const Surface& surface, std::vector<Contact>& contacts);
+    void sum(const Surface& surface, const std::vector<Contact>& contacts);
+    void clear(std::size_t particles, std::size_t nodes);
 
     LawSettings settings_;
     struct Memory {
         double stiffness = 0;  // [N/m] of the contact so far; 0 = not in contact
         double depth = 0;      // [m] at the last step
     };
-    std::vector<Memory> memory_, next_;                  // per active particle
-    std::vector<std::uint32_t> in_contact_, former_;     // active rows with an entry in memory_
-    std::vector<std::int64_t> share_;                    // S_a per node, 1 = 2^40
-    std::vector<std::uint8_t> contacts_of_;              // c_i per active particle
-    std::vector<std::int64_t> particle_sum_, node_sum_;  // [quantum]
-    std::vector<double> particle_force_, node_force_;    // [N]
+    std::vector<Memory> memory_, next_;               // per active particle
+    std::vector<std::uint32_t> in_contact_, former_;  // active rows with an entry in memory_
+    // Per node: S_a (1 = 2^40), sum of forces [quantum] and whether it is touched. Where no contact
+    // is they stay zero, and only what was touched is cleared: most of a surface is dry.
+    struct NodeSum {
+        std::int64_t share = 0;
+        std::array<std::int64_t, 3> force{};
+    };
+    std::vector<NodeSum> node_sum_;
+    std::vector<std::uint8_t> is_touched_;
+    std::vector<std::int32_t> touched_;
+    std::vector<std::uint8_t> contacts_of_;            // c_i per active particle
+    std::vector<std::int64_t> particle_sum_;           // [quantum]
+    std::vector<double> particle_force_, node_force_;  // [N]
+    double largest_ = 0;                               // [N] component of a contact force
     double quantum_ = 0, relaxation_ = 0;
     bool finite_ = true;
 };

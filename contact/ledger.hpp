@@ -40,31 +40,29 @@ struct StepFigures {
 
 class Ledger {
  public:
-    /// Keeps what booking needs: call once per step after the forces.
-    void keep(const Points& active, const Surface& surface, const std::vector<Contact>& contacts,
-              std::span<const double> on_particles, std::span<const double> on_nodes,
+    /// Keeps what booking needs: call once per step after the forces. The contacts are not copied:
+    /// book() is given them again.
+    void keep(const Points& active, const Surface& surface, std::span<const double> on_particles,
+              std::span<const double> on_nodes, std::span<const std::int32_t> touched_nodes,
               const StepFigures& step);
 
-    /// Books the kept step. v_particles [m/s] (A', 3) at n+1/2 with row_now[i] the row in it of
-    /// kept active row i, or -1 if it is gone (empty: rows are unchanged); v_nodes (N, 3).
-    void book(std::span<const double> v_particles, std::span<const std::int64_t> row_now,
-              std::span<const double> v_nodes);
+    /// Books the kept step with its contacts. v_particles [m/s] (A', 3) at n+1/2 with row_now[i]
+    /// the row in it of kept active row i, or -1 if it is gone (empty: rows are unchanged).
+    void book(const std::vector<Contact>& contacts, std::span<const double> v_particles,
+              std::span<const std::int64_t> row_now, const Surface& surface);
 
     const InterfaceEnergy& energy() const { return energy_; }
 
  private:
-    struct Kept {
-        std::uint32_t row;  // of the active list or of the nodes
-        Vec force;          // [N]
-        Vec v;              // [m/s] at n - 1/2
+    struct KeptNode {
+        std::uint32_t node;
+        Vec force;  // [N]
+        Vec v;      // [m/s] at n - 1/2
     };
 
     InterfaceEnergy energy_;
-    std::vector<Contact> contacts_;
-    std::vector<std::array<std::int32_t, 4>> corners_;  // of contacts_
-    std::vector<Kept> particles_, nodes_;
-    std::vector<std::int32_t> seen_;  // last keep() that listed the node
-    std::int32_t stamp_ = 0;
+    std::vector<double> force_, v_;  // [N], [m/s] of the active particles, (A, 3)
+    std::vector<KeptNode> nodes_;
     StepFigures step_;
 };
 

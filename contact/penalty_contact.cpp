@@ -40,7 +40,7 @@ void PenaltyContact::map_rows(const Points& points) {
 }
 
 void PenaltyContact::rebuild(const Points& points, double skin, std::span<const double> x,
-                             std::span<const double> v) {
+                             std::span<const double> v, double longest_dt) {
     map_rows(points);
     v_searched_.assign(points.v.begin(), points.v.end());
     rebuilt_ = true;
@@ -69,15 +69,17 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
     law_.renumber(old_row);
     x_ = x_rebuilt_;
     v_ = v_rebuilt_;
-    step_limit_ = detector_.detect(active_points(), surface_, candidates_, contacts_);
+    detector_.renew(active_points(), surface_, candidates_);
+    detect(longest_dt);
 }
 
 void PenaltyContact::update(std::span<const double> x_active, std::span<const double> v_active,
-                            std::span<const double> x, std::span<const double> v) {
+                            std::span<const double> x, std::span<const double> v,
+                            double longest_dt) {
     surface_.move(x, v);
     x_ = x_active;
     v_ = v_active;
-    step_limit_ = detector_.detect(active_points(), surface_, candidates_, contacts_);
+    detect(longest_dt);
 }
 
 void PenaltyContact::compute_forces(double dt) {
@@ -87,13 +89,21 @@ void PenaltyContact::compute_forces(double dt) {
 }
 
 void PenaltyContact::settle() {
-    if (rebuilt_)
-        ledger_.book(v_searched_, row_now_, surface_.v());
-    else
-        ledger_.book(v_, {}, surface_.v());
+    ledger_.book(
+        former_contacts_, rebuilt_ ? std::span<const double>(v_searched_) : v_,
+        rebuilt_ ? std::span<const std::int64_t>(row_now_) : std::span<const std::int64_t>{},
+        surface_);
     rebuilt_ = false;
-    ledger_.keep(active_points(), surface_, contacts_, law_.on_particles(), law_.on_nodes(),
-                 {last_dt_, kick_, law_.relaxation()});
+    settled_ = true;
+    ledger_.keep(active_points(), surface_, law_.on_particles(), law_.on_nodes(),
+                 law_.touched_nodes(), {last_dt_, kick_, law_.relaxation()});
+}
+
+/// The contacts of the last step stay as they are until they are booked.
+void PenaltyContact::detect(double longest_dt) {
+    if (settled_) former_contacts_.swap(contacts_);
+    settled_ = false;
+    step_limit_ = detector_.detect(active_points(), surface_, candidates_, longest_dt, contacts_);
 }
 
 }  // namespace undertow::contact

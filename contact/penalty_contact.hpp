@@ -11,6 +11,7 @@
 // Nothing is allocated between searches once the arrays have grown.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,17 +24,20 @@ namespace undertow::contact {
 
 class PenaltyContact {
  public:
+    static constexpr double any_dt = std::numeric_limits<double>::infinity();
+
     PenaltyContact(Surface surface, const LawSettings& law, DetectionRules rules = {},
                    int threads = 1);
 
     /// Searches the facets within radius + skin [m] of each point. x, v (N, 3) of the nodes.
+    /// longest_dt [s]: no longer step is asked for, so a step_limit() above it may be anything.
     void rebuild(const Points& points, double skin, std::span<const double> x,
-                 std::span<const double> v);
+                 std::span<const double> v, double longest_dt = any_dt);
 
     /// New positions and velocities of the active points (A, 3) and of the nodes (N, 3). The arrays
     /// are borrowed until the next update or rebuild.
     void update(std::span<const double> x_active, std::span<const double> v_active,
-                std::span<const double> x, std::span<const double> v);
+                std::span<const double> x, std::span<const double> v, double longest_dt = any_dt);
 
     /// Rows of the last rebuild's points that have a candidate facet, rising.
     std::span<const std::uint32_t> active_rows() const { return candidates_.row; }
@@ -55,6 +59,7 @@ class PenaltyContact {
  private:
     Points active_points() const;
     void map_rows(const Points& points);
+    void detect(double longest_dt);
 
     Surface surface_;
     Detector detector_;
@@ -62,7 +67,7 @@ class PenaltyContact {
     Ledger ledger_;
     FacetCells cells_;
     CandidateList candidates_;
-    std::vector<Contact> contacts_;
+    std::vector<Contact> contacts_, former_contacts_;
 
     std::span<const double> x_, v_;                  // active points at this step
     std::vector<double> x_rebuilt_, v_rebuilt_;      // copies of a rebuild's active rows
@@ -72,7 +77,7 @@ class PenaltyContact {
     // At a search: rows of the former active points among the searched ones, and back; -1 = none.
     std::vector<std::int64_t> row_now_, old_row_, slot_;
     std::vector<double> v_searched_;  // [m/s] all points of the search
-    bool rebuilt_ = false;
+    bool rebuilt_ = false, settled_ = false;
 
     double step_limit_ = 0, last_dt_ = 0, kick_ = 0;  // [s]
 };

@@ -88,6 +88,8 @@ Surface::Surface(std::vector<std::int32_t> quad, std::vector<double> mass)
       mass_(std::move(mass)),
       free_edges_(quad_.size() / 4, 0),
       free_node_(mass_.size(), 0) {
+    inverse_mass_.reserve(mass_.size());
+    for (double m : mass_) inverse_mass_.push_back(1 / m);
     const std::vector<Edge> edges = sorted_edges(quad_);
     for (std::size_t e = 0; e < edges.size(); ++e) {
         const bool shared = (e > 0 && edges[e].same_nodes(edges[e - 1])) ||
@@ -108,34 +110,22 @@ Corners Surface::shape(std::uint32_t facet) const {
     return {{position(q[0]), position(q[1]), position(q[2]), position(q[3])}, q[2] == q[3]};
 }
 
-FacetFrame Surface::frame(std::uint32_t facet) const {
+FacetPlane Surface::plane(std::uint32_t facet) const {
     const std::int32_t* q = corners(facet);
     const Corners c = shape(facet);
-    FacetFrame frame;
+    FacetPlane plane;
     Vec area;
     if (c.triangle) {
-        frame.center = (c.x[0] + c.x[1] + c.x[2]) / 3;
-        frame.velocity = (velocity(q[0]) + velocity(q[1]) + velocity(q[2])) / 3;
+        plane.center = (c.x[0] + c.x[1] + c.x[2]) / 3;
+        plane.velocity = (velocity(q[0]) + velocity(q[1]) + velocity(q[2])) / 3;
         area = (c.x[1] - c.x[0]).cross(c.x[2] - c.x[0]);
-        frame.warp = 0;
     } else {
-        frame.center = 0.25 * (c.x[0] + c.x[1] + c.x[2] + c.x[3]);
-        frame.velocity = 0.25 * (velocity(q[0]) + velocity(q[1]) + velocity(q[2]) + velocity(q[3]));
+        plane.center = 0.25 * (c.x[0] + c.x[1] + c.x[2] + c.x[3]);
+        plane.velocity = 0.25 * (velocity(q[0]) + velocity(q[1]) + velocity(q[2]) + velocity(q[3]));
         area = (c.x[2] - c.x[0]).cross(c.x[3] - c.x[1]);
     }
-    frame.normal = area / area.norm();
-    // Opposite corners of a quad are equally far from the plane through its center along n.
-    if (!c.triangle) frame.warp = std::abs(frame.normal.dot(c.x[0] - frame.center));
-    for (int k = 0; k < 4; ++k) {
-        // A triangle's fourth corner repeats the third: its last edge runs from there to the first.
-        const Vec& from = c.x[k];
-        const Vec& to = c.triangle && k == 2 ? c.x[0] : c.x[(k + 1) & 3];
-        const Vec edge = to - from;
-        const Vec out = edge.cross(frame.normal);
-        frame.outward[k] = out / out.norm();
-        frame.outline[k] = frame.outward[k].dot(from - frame.center);
-    }
-    return frame;
+    plane.normal = area / area.norm();
+    return plane;
 }
 
 bool Surface::is_free_rim(std::uint32_t facet, std::uint8_t rim) const {

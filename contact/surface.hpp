@@ -18,26 +18,11 @@ namespace undertow::contact {
 /// which side is wet. x [m] (N, 3), quad (F, 4).
 std::string find_defect(std::span<const double> x, std::span<const std::int32_t> quad);
 
-/// What the contact asks of a facet again and again, refreshed once per step.
-struct FacetFrame {
-    Vec center;                     // [m] mean of the corners
-    Vec normal;                     // unit, mean plane
-    Vec velocity;                   // [m/s] of the center
-    double warp;                    // [m] largest distance of a corner from the mean plane
-    std::array<Vec, 4> outward;     // unit normals of the edges within the mean plane
-    std::array<double, 4> outline;  // [m] distance of the edges from the center
-
-    /// True if a point is surely farther than `range` [m] from the facet, by its height above the
-    /// mean plane and its distance beyond the outline: exact beside an edge and over a flat facet.
-    /// A few dot products, where the closest point itself costs a search over triangles.
-    bool is_beyond(const Vec& from_center, double range) const {
-        const double above = std::abs(normal.dot(from_center)) - warp;
-        if (above > range) return true;
-        double aside = 0;
-        for (int k = 0; k < 4; ++k)
-            aside = std::max(aside, outward[k].dot(from_center) - outline[k]);
-        return aside * aside + (above > 0 ? above * above : 0) > range * range;
-    }
+/// The mean plane of a facet.
+struct FacetPlane {
+    Vec center;    // [m] mean of the corners
+    Vec normal;    // unit, wet side
+    Vec velocity;  // [m/s] of the center
 };
 
 class Surface {
@@ -48,6 +33,7 @@ class Surface {
     std::size_t nodes() const { return mass_.size(); }
     const std::int32_t* corners(std::uint32_t facet) const { return &quad_[4 * facet]; }
     double mass(std::int32_t node) const { return mass_[node]; }
+    double inverse_mass(std::int32_t node) const { return inverse_mass_[node]; }  // [1/kg]
 
     /// Positions and velocities of this step, (N, 3) each; kept by reference until the next call.
     void move(std::span<const double> x, std::span<const double> v);
@@ -57,7 +43,7 @@ class Surface {
     Vec position(std::int32_t node) const { return Vec::Map(&x_[3 * std::size_t(node)]); }
     Vec velocity(std::int32_t node) const { return Vec::Map(&v_[3 * std::size_t(node)]); }
     Corners shape(std::uint32_t facet) const;
-    FacetFrame frame(std::uint32_t facet) const;
+    FacetPlane plane(std::uint32_t facet) const;
 
     /// True if the outline edge or corner given by `rim` (of Foot) belongs to one facet only: there
     /// is no surface beyond it, so being below the facet's plane there does not mean being inside.
@@ -65,7 +51,7 @@ class Surface {
 
  private:
     std::vector<std::int32_t> quad_;
-    std::vector<double> mass_;
+    std::vector<double> mass_, inverse_mass_;
     std::vector<std::uint8_t> free_edges_;  // (F) bit k: edge from corner k to k+1 is free
     std::vector<std::uint8_t> free_node_;   // (N) the node lies on a free edge
     std::span<const double> x_, v_;

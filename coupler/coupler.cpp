@@ -118,7 +118,7 @@ void Coupler::update_contact() {
     }
     const wire::State& particles = participants_.particle_state();
     budget_->moved(particles.reach, surface.x, step_.dt);
-    contact_->update(particles.x, particles.v, surface.x, surface.v);
+    contact_->update(particles.x, particles.v, surface.x, surface.v, longest_step());
     if (budget_->late() == 0 || late_reported_) return;
     late_reported_ = true;  // once is enough; the summary has the count
     char text[300];
@@ -142,11 +142,17 @@ void Coupler::search() {
                                           std::to_string(announced) + " m announced.");
     budget_->searched(surface.x, std::max(largest_speed(probe.v), largest_speed(surface.v)));
     contact_->rebuild({probe.x, probe.v, probe.mass, probe.radius, probe.stiffness, probe.id},
-                      budget_->skin(), surface.x, surface.v);
+                      budget_->skin(), surface.x, surface.v, longest_step());
     figures_->count_search();
     phase_.clear();
     for (std::uint32_t row : contact_->active_rows()) phase_.push_back(probe.phase[row]);
     send_active();
+}
+
+/// What contact's own vote is compared with: a longer one would not be heard.
+double Coupler::longest_step() const {
+    return std::min(participants_.offer(Participants::particles).dt,
+                    participants_.offer(Participants::surface).dt);
 }
 
 AgreedStep Coupler::agree_time_step() {

@@ -37,6 +37,7 @@ class Coupler {
     std::string reason_to_end() const;
     void update_contact();
     void search();
+    double longest_step() const;  // [s]
     AgreedStep agree_time_step();
     void send_boxes();
     void send_active();

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "scene.hpp"
 
@@ -175,4 +176,75 @@ TEST_CASE("contacts are the same for any number of threads") {
         REQUIRE(one.on_nodes()[i] == three.on_nodes()[i]);
     for (std::size_t i = 0; i < one.on_particles().size(); ++i)
         REQUIRE(one.on_particles()[i] == three.on_particles()[i]);
+}
+
+TEST_CASE("tests that are skipped change no bit of contacts and step limit") {
+    std::mt19937 random(31);
+    std::uniform_real_distribution<double> any(0, 1);
+    for (double size : {0.04, 0.15}) {  // facets smaller and larger than the particles
+        Nodes plate = flat_plate(int(1 / size), int(1 / size), size, 1);
+        Particles particles;
+        const double radius = 0.04, skin = 0.03;
+        for (int i = 0; i < 300; ++i)
+            particles.add({any(random), any(random), 0.1 * any(random)},
+                          {any(random) - 0.5, any(random) - 0.5, 0.4 * (any(random) - 0.5)}, 1,
+                          radius, 1);
+        PenaltyContact cached(plate.surface(), {});
+        std::vector<std::uint32_t> rows;
+        double dt = 2e-3, limits = 0;
+        std::size_t found = 0;
+        for (int n = 0; n < 120; ++n) {
+            // A search every 15 steps: what moves meanwhile stays within the skin.
+            if (n % 15 == 0) {
+                cached.rebuild(particles.points(), skin, plate.x, plate.v);
+                rows.assign(cached.active_rows().begin(), cached.active_rows().end());
+            }
+            Particles active;
+            for (std::uint32_t row : rows)
+                active.add(Vec::Map(&particles.x[3 * row]), Vec::Map(&particles.v[3 * row]), 1,
+                           radius, 1);
+            const double longest = n % 2 ? 0.3 : PenaltyContact::any_dt;
+            if (n % 15 != 0) cached.update(active.x, active.v, plate.x, plate.v, longest);
+            PenaltyContact fresh(plate.surface(), {});
+            fresh.rebuild(active.points(), 1.0, plate.x, plate.v);
+            REQUIRE(fresh.active_rows().size() == rows.size());
+
+            const auto &a = cached.contacts(), &b = fresh.contacts();
+            REQUIRE(a.size() == b.size());
+            found += a.size();
+            for (std::size_t c = 0; c < a.size(); ++c) {
+                REQUIRE(a[c].particle == b[c].particle);
+                REQUIRE(a[c].facet == b[c].facet);
+                REQUIRE(a[c].depth == b[c].depth);
+                REQUIRE(a[c].closing == b[c].closing);
+                REQUIRE(a[c].normal == b[c].normal);
+                REQUIRE(a[c].weight == b[c].weight);
+            }
+            // Asked about its own candidates only, and no further than the longest step.
+            if (cached.step_limit() < longest) {
+                REQUIRE(cached.step_limit() >= fresh.step_limit());
+                ++limits;
+            }
+            for (std::size_t i = 0; i < particles.x.size(); ++i)
+                particles.x[i] += dt * particles.v[i];
+            for (std::size_t i = 2; i < plate.x.size(); i += 3) {
+                plate.v[i] = 0.5 * std::sin(9 * plate.x[i - 2] + 0.2 * n);
+                plate.x[i] += dt * plate.v[i];
+            }
+        }
+        CHECK(found > 2000);
+        CHECK(limits > 20);
+    }
+}
+
+TEST_CASE("a step limit below the longest step is the same whether a longest step is given or not") {
+    const Nodes plate = flat_plate(4, 4, 0.25, 1);
+    Particles particles;
+    particles.add({0.5, 0.5, 1.1 * l0}, {30, 0, -50}, 1, l0, 1);
+    particles.add({0.3, 0.5, 1.1 * l0}, {1, 0, -1}, 1, l0, 1);  // too slow to be asked
+    PenaltyContact contact(plate.surface(), {});
+    contact.rebuild(particles.points(), 0.3 * l0, plate.x, plate.v, 0.01);
+    CHECK(contact.step_limit() == Approx(0.25 * l0 / 50));
+    contact.rebuild(particles.points(), 0.3 * l0, plate.x, plate.v, 1e-4);  // nobody is that fast
+    CHECK(contact.step_limit() > 1e-4);
 }
