@@ -86,6 +86,7 @@ int Coupler::run_loop() {
 void Coupler::prepare() {
     for (const auto role : {Participants::particles, Participants::surface})
         log_info(participants_.name(role) + " (" + participants_.software(role) + ") has joined");
+    log_info(std::string("states and forces travel by ") + participants_.transport());
     joint_ = join_surfaces(participants_.surface_meshes());
     const wire::Mesh& particles = participants_.particle_mesh();
     boxed_ = std::make_unique<contact::Surface>(joint_.quad, joint_.mass);

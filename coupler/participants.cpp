@@ -22,6 +22,7 @@ wire::HostOptions options_for(const std::string& endpoint, const Case& input) {
     options.endpoint = endpoint;
     options.join_timeout = input.coupling.join_timeout;
     options.deadline = input.coupling.deadline;
+    options.shared_memory = input.coupling.transport == "shm";
     options.welcome.t_end = input.time.end;
     options.welcome.contact_share = input.coupling.beta + 2 * input.coupling.damping;
     return options;
@@ -98,14 +99,23 @@ void Participants::send_active(wire::Active message) {
 void Participants::send_forces(const wire::Force& common, std::span<const double> on_particles,
                                std::span<const double> on_nodes) {
     const auto send = [&](Role role) {
-        wire::Force force = common;
+        wire::Force& force = std::get<wire::Force>(forces_[role]);
         const auto f = role == particles ? on_particles : on_nodes;
-        force.f.assign(f.begin(), f.end());
+        force.n = common.n;
+        force.dt = common.dt;
+        force.t1 = common.t1;
+        force.limiter = common.limiter;
+        force.flags = common.flags;
         if (role == surface) force.flags &= ~std::uint32_t(wire::force_probe);
-        host_.send(role, std::move(force));
+        force.f.assign(f.begin(), f.end());
+        host_.send(role, std::move(forces_[role]));
     };
     send(last_to_come_);
     send(last_to_come_ == particles ? surface : particles);
+}
+
+const char* Participants::transport() const {
+    return host_.shares_memory() ? "shm" : host_.endpoint().starts_with("tcp:") ? "tcp" : "ipc";
 }
 
 void Participants::finish(std::int64_t n, const std::string& reason) {

@@ -53,6 +53,7 @@ class Participants {
 
     const std::string& name(Role role) const { return host_.name(role); }
     const std::string& software(Role role) const { return host_.software(role); }
+    const char* transport() const;  // of STATE and FORCE: "shm", "ipc", "tcp"
     const std::string& endpoint() const { return host_.endpoint(); }
     double bytes() const { return double(host_.bytes_sent()) + double(host_.bytes_received()); }
     const Waits& waits() const { return waits_; }
@@ -61,6 +62,7 @@ class Participants {
     wire::Host host_;
     std::vector<std::vector<wire::Mesh>> meshes_;
     std::array<wire::Message, 2> latest_;
+    std::array<wire::Message, 2> forces_{wire::Force{}, wire::Force{}};  // reused each step
     wire::Received incoming_;
     Role last_to_come_ = particles;
     Waits waits_;

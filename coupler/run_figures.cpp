@@ -103,6 +103,7 @@ void RunFigures::write(const std::string& path, const std::string& reason, doubl
     summary.set("interface_energy.damping", contact.energy().damping);
     summary.set("interface_energy.friction", contact.energy().friction);
     summary.set("interface_energy.relaxation", contact.energy().relaxation);
+    summary.set("transport", participants.transport());
     summary.set("bytes_per_step", participants.bytes() / steps);
     summary.set("searches", searches_);
     summary.set("late_searches", late_searches);

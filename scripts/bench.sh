@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# scripts/bench.sh sph|fem [--json FILE]: builds and runs a benchmark; its figures on the screen, and
+# scripts/bench.sh sph|fem|coupling [--json FILE]: builds and runs a benchmark; its figures on the screen, and
 # as {"key": number, ...} in FILE, where keys that are there already and are not measured now stay.
-# Messages and contact: build/bin/bench_wire_latency and build/bin/bench_contact_cost.
+# coupling: messages of one step by shm, ipc and tcp [us]. Contact: build/bin/bench_contact_cost.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 part=${1:-}
 case "$part" in
-    sph | fem) shift ;;
+    sph | fem) bench=bench_${part}_throughput && shift ;;
+    coupling) bench=bench_wire_latency && shift ;;
     -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;;
-    *) echo "scripts/bench.sh knows sph and fem, but got: ${part:-nothing}" >&2; exit 2 ;;
+    *) echo "scripts/bench.sh knows sph, fem and coupling, but got: ${part:-nothing}" >&2; exit 2 ;;
 esac
 file=
 if [[ ${1:-} == --json && -n ${2:-} ]]; then
@@ -23,9 +24,9 @@ fi
 
 build=${UNDERTOW_BUILD:-build}
 [[ -f $build/build.ninja ]] || scripts/setup.sh
-cmake --build "$build" --target "bench_${part}_throughput" >/dev/null
+cmake --build "$build" --target "$bench" >/dev/null
 export OMP_WAIT_POLICY=passive GOMP_SPINCOUNT=0
-figures=$("$build/bin/bench_${part}_throughput" --json)
+figures=$("$build/bin/$bench" --json)
 if [[ -z $file ]]; then
     echo "$figures"
     exit

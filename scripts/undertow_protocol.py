@@ -230,7 +230,7 @@ class Participant:
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
         for option, value in ((zmq.LINGER, 0), (zmq.SNDHWM, 16), (zmq.RCVHWM, 16),
-                              (zmq.IMMEDIATE, 1), (zmq.RECONNECT_IVL, 20),
+                              (zmq.RECONNECT_IVL, 20),
                               (zmq.RECONNECT_IVL_MAX, 200), (zmq.MAXMSGSIZE, MAX_MESSAGE)):
             self._socket.setsockopt(option, value)
         self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
@@ -378,6 +378,10 @@ class Participant:
             if self._is_lost():
                 self._raise_lost()
             if silence >= patience:
+                if not self.session:
+                    self.close()
+                    raise PeerError("E_TIMEOUT", f"no coupler answered at {self.endpoint} within "
+                                                 f"{patience:g} s; start it with this endpoint")
                 self._fail("E_TIMEOUT", f"the coupler at {self.endpoint} was silent for "
                                         f"{patience:g} s")
             start = time.monotonic()

@@ -432,7 +432,7 @@ struct CouplingSettings {
     FrictionLaw friction_law = FrictionLaw::coulomb;  // "coulomb", "viscous"
     double viscous_coefficient = 0;      // [N s/m] of Eq. 9, for "viscous"
     double skin = 0.3;                   // search skin in units of the particle spacing
-    std::string transport = "ipc";       // "ipc", "tcp"
+    std::string transport = "shm";       // "shm" (on an ipc endpoint), "ipc", "tcp"
     double deadline = 60;                // [s]
     double join_timeout = 60;            // [s]
     std::vector<PressurePatch> patch;

@@ -66,7 +66,7 @@ void read_coupling(TableReader& reader, CouplingSettings& coupling) {
     if (coupling.friction_law == FrictionLaw::viscous && coupling.viscous_coefficient == 0)
         reader.reject("friction_law", "needs coupling.viscous_coefficient > 0 N s/m.");
     reader.number("skin", coupling.skin, above_up_to(0, 2, "particle spacings"));
-    reader.word("transport", coupling.transport, {"ipc", "tcp"});
+    reader.word("transport", coupling.transport, {"shm", "ipc", "tcp"});
     reader.number("deadline", coupling.deadline, positive("s"));
     reader.number("join_timeout", coupling.join_timeout, positive("s"));
     reader.tables("patch", [&](TableReader& entry) {

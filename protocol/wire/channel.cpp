@@ -21,6 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double longest_wait = 1.0;  // [s] of one system call
+constexpr double longest_sleep = 0.05;  // [s] at a bell, until a peer that died is noticed
 constexpr int send_slice = 100;       // [ms] a full queue is looked at again, and the monitor
 constexpr int high_water_mark = 16;   // messages; in lock-step two or three are under way
 constexpr std::size_t copy_below = 16 * 1024;  // [byte] of arrays; moving pays only above
@@ -73,14 +74,15 @@ Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message
         socket_.set(zmq::sockopt::heartbeat_timeout, heartbeat_timeout);
     }
     if (end == End::solver) {
-        socket_.set(zmq::sockopt::immediate, true);    // queue only for a coupler that is there
+        // Not ZMQ_IMMEDIATE: with it libzmq throws away what has come but has not been read when
+        // the other end hangs up, and with it the ERROR that says why.
         socket_.set(zmq::sockopt::reconnect_ivl, 20);  // [ms] the coupler may start later
         socket_.set(zmq::sockopt::reconnect_ivl_max, 200);
     } else {
         socket_.set(zmq::sockopt::router_mandatory,
                     true);  // a lost receiver is an error, not silence
     }
-    const int events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
+    const int events = ZMQ_EVENT_CONNECTED | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
     monitor_.set(zmq::sockopt::linger, 0);
     if (zmq_socket_monitor(socket_.handle(), "inproc://monitor", events) != 0) {
         throw PeerError("E_IO",
@@ -223,6 +225,13 @@ double Channel::wait(double seconds) {
     return std::min(seconds_since(start), longest_wait);
 }
 
+double Channel::wait_at(std::span<const Segment::Ring> rings, double seconds) {
+    const auto start = Clock::now();
+    const bool nobody_rang = Segment::wait(rings, std::clamp(seconds, 0.0, longest_sleep));
+    if (nobody_rang) drain_monitor();
+    return std::min(seconds_since(start), longest_wait);
+}
+
 void Channel::drain_monitor() {
     for (;;) {
         zmq::message_t event, address;
@@ -236,6 +245,7 @@ void Channel::drain_monitor() {
         std::int32_t connection = -1;
         std::memcpy(&kind, event.data<char>(), 2);
         std::memcpy(&connection, event.data<char>() + 2, 4);
+        if (kind == ZMQ_EVENT_CONNECTED) connected_ = true;
         if (kind == ZMQ_EVENT_ACCEPTED) {
             open_.push_back(connection);
         } else if (kind == ZMQ_EVENT_DISCONNECTED) {

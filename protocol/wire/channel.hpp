@@ -13,6 +13,7 @@
 
 #include "wire/codec.hpp"
 #include "wire/messages.hpp"
+#include "wire/segment.hpp"
 
 namespace undertow::wire {
 
@@ -63,11 +64,16 @@ class Channel {
     /// peer could not be heard, so a long pause counts as one second.
     double wait(double seconds);
 
+    /// The same at the bells of shared memory, in slices after which the connections are looked at.
+    double wait_at(std::span<const Segment::Ring> rings, double seconds);
+
     /// Connections that broke since the last call, in order.
     std::vector<int> take_broken();
     /// A coupler's connection that has been accepted and is not broken.
     bool is_open(int connection) const;
     bool any_broken() const { return !broken_.empty(); }
+    /// A solver: the coupler's socket has answered at least once.
+    bool ever_connected() const { return connected_; }
 
     std::uint64_t bytes_sent() const { return bytes_sent_; }
     std::uint64_t bytes_received() const { return bytes_received_; }
@@ -84,6 +90,7 @@ class Channel {
     std::uint64_t max_message_;
     Frames frames_;  // of the message being sent
     std::vector<int> open_, broken_;
+    bool connected_ = false;
     std::uint64_t bytes_sent_ = 0, bytes_received_ = 0;
 };
 

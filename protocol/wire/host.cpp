@@ -14,6 +14,7 @@
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
 #include "wire/seat.hpp"
+#include "wire/segment.hpp"
 #include "wire/session.hpp"
 
 namespace undertow::wire {
@@ -21,6 +22,7 @@ namespace undertow::wire {
 namespace {
 
 constexpr double error_linger = 0.5;       // [s] for ERROR to leave; then the program ends anyway
+constexpr double on_its_way = 0.01;         // [s] for a message whose bell has been heard
 constexpr double stranger_patience = 0.2;  // [s] for a refusal to who is not part of the run
 
 std::uint64_t draw_session() {
@@ -43,6 +45,8 @@ struct Host::Impl {
         if (welcome.max_message == 0) welcome.max_message = default_max_message;
         welcome.version = {version_major, version_minor};
         welcome.deadline = options.deadline;
+        if (options.shared_memory && given.endpoint.starts_with("ipc://"))
+            welcome.capabilities.push_back(shared_memory_capability);
         for (const std::string& role : options.expected_roles) seats.emplace_back(role);
     }
 
@@ -55,6 +59,10 @@ struct Host::Impl {
     Message stray;  // of someone who is not part of the run
     std::size_t n_seated = 0;
     bool failed = false;
+    bool shared_memory = false;  // the data plane is in use
+    Frames frames;               // of a message that goes by a segment
+    std::vector<Segment::Ring> rings;
+    std::uint64_t segment_bytes_sent = 0, segment_bytes_received = 0;
 
     // ---------------------------------------------------------------- errors
 
@@ -76,6 +84,7 @@ struct Host::Impl {
                 channel.send(
                     Error{seat.session.id(), seat.session.step(), code, text.substr(0, 4000), who},
                     seat.routing_id, error_linger);
+                if (seat.segment) seat.segment->ring();
             }
         } catch (...) {
             // The run fails already, for the reason that could not be sent.
@@ -97,19 +106,37 @@ struct Host::Impl {
                                    error.what());
         }
         seat.silence = 0;
-        const std::string what = label(message);
+        const MessageType type = type_of(message);
+        if (type == MessageType::force && post_by_segment(seat, message)) return;
+        // What goes by the socket may be overtaken by what goes by the segment: not in one turn.
+        if (type != MessageType::progress) seat.by_segment = false;
         switch (channel.send(std::move(message), seat.routing_id, options.deadline)) {
             case Sent::yes:
+                if (seat.segment) seat.segment->ring();
                 return;
             case Sent::connection_lost:
                 seat.lost = true;  // next() reads its last words, perhaps an ERROR, and tells
                 return;
             case Sent::timed_out:
                 fail("E_TIMEOUT",
-                     seat.name + " took no " + what + " within " +
+                     seat.name + " took no " + name_of(type) + " of step " +
+                         std::to_string(seat.session.step()) + " within " +
                          number_text(options.deadline, 3) + " s",
                      seat.name);
         }
+    }
+
+    /// FORCE answers a STATE that came by the segment on the same way. Either way there must be
+    /// room for the next STATE, whose rows are known now.
+    bool post_by_segment(Seat& seat, const Message& force) {
+        if (!shared_memory || !seat.segment) return false;
+        const std::size_t rows = seat.session.rows();
+        const bool room = seat.segment->reserve(state_bytes(rows), force_bytes(rows));
+        if (!room || !seat.by_segment) return false;
+        encode(force, frames);
+        if (!seat.segment->write(frames)) return false;
+        segment_bytes_sent += frames.header.size() + frames.array_bytes();
+        return true;
     }
 
     // ---------------------------------------------------------------- receiving
@@ -117,19 +144,34 @@ struct Host::Impl {
     /// Reads what is there until a message of the run has come into `received`. False: nothing
     /// more.
     bool read(Received& received) {
+        for (Seat& seat : seats) {
+            if (!shared_memory || !seat.segment || !seat.segment->has_message()) continue;
+            seat.by_segment = true;
+            const auto take = [&](Message& message) {
+                segment_bytes_received += seat.segment->read(message);
+            };
+            if (hand_on(seat, received, take)) return true;
+        }
         while (channel.receive(packet)) {
             Seat* seat = find_seat();
             if (!seat) {
                 answer_stranger();
                 continue;
             }
-            seat->silence = 0;
-            if (accept(*seat, received.message)) {
-                received.participant = static_cast<std::size_t>(seat - seats.data());
+            const auto take = [&](Message& message) { decode(packet, message); };
+            if (hand_on(*seat, received, take)) {
+                seat->by_segment = false;
                 return true;
             }
         }
         return false;
+    }
+
+    bool hand_on(Seat& seat, Received& received, const auto& take) {
+        seat.silence = 0;
+        if (!accept(seat, received.message, take)) return false;
+        received.participant = static_cast<std::size_t>(&seat - seats.data());
+        return true;
     }
 
     Seat* find_seat() {
@@ -140,9 +182,9 @@ struct Host::Impl {
     }
 
     /// False when there is nothing to hand on (PROGRESS).
-    bool accept(Seat& seat, Message& message) {
+    bool accept(Seat& seat, Message& message, const auto& take) {
         try {
-            decode(packet, message);
+            take(message);
             if (const auto* error = std::get_if<Error>(&message)) {
                 seat.told = true;
                 fail(error->code, seat.name + ": " + error->text, seat.name);
@@ -173,6 +215,7 @@ struct Host::Impl {
         const std::size_t seated_before = n_seated;
         double waited = 0;
         for (;;) {
+            note_bells();  // before looking, so that nothing is missed between look and wait
             if (read(received)) return true;
             look_for_lost();
             if (read(received)) return true;  // last words, sent before the connection broke
@@ -196,13 +239,29 @@ struct Host::Impl {
                 longest = std::min(longest, deadline - seat.silence);
             }
             if (longest <= 0) return false;
-            const double listened = channel.wait(longest);
+            const double listened = wait(longest);
             waited += listened;
             for (Seat& seat : seats) {
                 seat.silence += listened;
                 if (seat.waits_for_us() && seat.silence > options.deadline / 3) reassure(seat);
             }
         }
+    }
+
+    /// The bells of those who have to speak.
+    void note_bells() {
+        rings.clear();
+        if (!shared_memory) return;
+        for (Seat& seat : seats)
+            if (seat.is_due()) rings.push_back({seat.segment.get(), seat.segment->bell()});
+    }
+
+    /// Like Channel::wait(), for what may come either way.
+    double wait(double seconds) {
+        if (rings.empty()) return channel.wait(seconds);
+        for (Seat& seat : seats)
+            if (seat.segment->heard_of_socket()) return channel.wait(std::min(seconds, on_its_way));
+        return channel.wait_at(rings, seconds);
     }
 
     /// To a participant that waits for a slower one: we are alive, and watch the other's deadline.
@@ -256,6 +315,10 @@ struct Host::Impl {
         std::erase_if(welcome.capabilities, [&](const std::string& ours) {
             return std::ranges::find(hello.capabilities, ours) == hello.capabilities.end();
         });
+        if (std::erase(welcome.capabilities, shared_memory_capability) > 0) {
+            seat.segment = Segment::create(options.welcome.session, hello.name);
+            if (seat.segment) welcome.capabilities.push_back(shared_memory_capability);
+        }
         seat.capabilities = welcome.capabilities;
         welcome.version[1] = std::min(version_minor, hello.version[1]);
         ++n_seated;
@@ -294,6 +357,15 @@ struct Host::Impl {
         return std::all_of(seats.begin(), seats.end(), [](const Seat& seat) {
             return seat.session.phase() == Phase::surface || seat.session.phase() == Phase::reply;
         });
+    }
+
+    /// All or nobody: the coupler can wait for bells or for its socket, but not for both.
+    void decide_on_shared_memory() {
+        shared_memory = std::all_of(seats.begin(), seats.end(), [](const Seat& seat) {
+            return seat.segment && seat.segment->joined();
+        });
+        if (!shared_memory)
+            for (Seat& seat : seats) seat.segment.reset();
     }
 
     /// Takes one message while the run is being prepared: MESH is answered, everything else is held
@@ -336,6 +408,7 @@ void Host::wait_join() {
 
 std::vector<std::vector<Mesh>> Host::wait_meshes() {
     while (!impl_->meshes_complete()) impl_->prepare(impl_->options.deadline);
+    impl_->decide_on_shared_memory();
     std::vector<std::vector<Mesh>> meshes;
     for (Seat& seat : impl_->seats) meshes.push_back(std::move(seat.meshes));
     return meshes;
@@ -362,7 +435,7 @@ bool Host::next_within(double seconds, Received& received) {
     return impl_->next(seconds, impl_->options.deadline, received);
 }
 
-void Host::send(std::size_t participant, Message message) {
+void Host::send(std::size_t participant, Message&& message) {
     impl_->post(impl_->seats.at(participant), std::move(message));
 }
 
@@ -400,12 +473,16 @@ const std::string& Host::software(std::size_t participant) const {
     return impl_->seats.at(participant).software;
 }
 
+bool Host::shares_memory() const {
+    return impl_->shared_memory;
+}
+
 std::uint64_t Host::bytes_sent() const {
-    return impl_->channel.bytes_sent();
+    return impl_->channel.bytes_sent() + impl_->segment_bytes_sent;
 }
 
 std::uint64_t Host::bytes_received() const {
-    return impl_->channel.bytes_received();
+    return impl_->channel.bytes_received() + impl_->segment_bytes_received;
 }
 
 }  // namespace undertow::wire

@@ -28,6 +28,7 @@ struct HostOptions {
     double join_timeout = 60;                                         // [s]
     double deadline = 60;  // [s] longest silence of a participant
     Welcome welcome;       // session 0 = draw one; versions filled in; the capabilities are ours
+    bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
 };
 
 struct Received {
@@ -68,7 +69,8 @@ class Host {
     /// Sends; the session number is filled in. Pass the message by move: its arrays then travel
     /// without a copy. A message that the session does not allow here is a std::logic_error. A lost
     /// participant is reported by the next next().
-    void send(std::size_t participant, Message message);
+    /// By shared memory the message keeps its buffers: hand in the same one each step.
+    void send(std::size_t participant, Message&& message);
 
     /// Tells every participant why the run fails (used by main before exit); never throws.
     void broadcast_error(const std::string& code, const std::string& text,
@@ -81,6 +83,8 @@ class Host {
     const std::string& software(std::size_t participant) const;
     /// Both this side (HostOptions::welcome) and the participant (HELLO) named the capability.
     bool can(std::size_t participant, const std::string& capability) const;
+    /// STATE and FORCE travel by shared memory: every participant can, and the endpoint is ipc.
+    bool shares_memory() const;
     std::uint64_t bytes_sent() const;
     std::uint64_t bytes_received() const;
 

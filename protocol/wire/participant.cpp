@@ -10,6 +10,7 @@
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
+#include "wire/segment.hpp"
 #include "wire/session.hpp"
 
 namespace undertow::wire {
@@ -17,6 +18,7 @@ namespace undertow::wire {
 namespace {
 
 constexpr double finish_linger = 2.0;  // [s] for BYE to leave
+constexpr double on_its_way = 0.01;    // [s] for a message whose bell has been heard
 constexpr double error_linger = 0.5;   // [s] for ERROR to leave; then the program ends anyway
 
 using Clock = std::chrono::steady_clock;
@@ -39,6 +41,10 @@ struct Participant::Impl {
     Welcome welcome;
     Packet packet;
     Message incoming;    // reused, so that a FORCE costs no allocation
+    Message outgoing;    // likewise for a STATE
+    Frames frames;       // of a message that goes by the segment
+    std::unique_ptr<Segment> segment;  // the data plane, if both sides have it
+    bool by_segment = false;           // the last message went by it, and the answer may come by it
     double waited = 0;   // [s]
     bool ended = false;  // one of the two sides has reported an error, or BYE has been said
 
@@ -53,8 +59,10 @@ struct Participant::Impl {
                                    error.what());
         }
         const MessageType type = type_of(message);
+        if (post_by_segment(message)) return;
         switch (channel.send(std::move(message), {}, patience())) {
             case Sent::yes:
+                if (segment) segment->ring();
                 return;
             case Sent::timed_out:
                 throw PeerError("E_TIMEOUT", std::string("the coupler took no ") + name_of(type) +
@@ -62,6 +70,15 @@ struct Participant::Impl {
             case Sent::connection_lost:
                 lost();
         }
+    }
+
+    bool post_by_segment(const Message& message) {
+        if (std::holds_alternative<Progress>(message)) return false;
+        by_segment = false;
+        if (!segment || !std::holds_alternative<State>(message)) return false;
+        encode(message, frames);
+        by_segment = segment->write(frames);
+        return by_segment;
     }
 
     double patience() const { return session.id() == 0 ? options.join_timeout : welcome.deadline; }
@@ -73,8 +90,8 @@ struct Participant::Impl {
     void take(double seconds, const std::string& what) {
         double silence = 0;
         for (;;) {
-            if (channel.receive(packet)) {
-                accept();
+            const Segment::Ring ring{segment.get(), by_segment ? segment->bell() : 0};
+            if (take_next()) {
                 if (std::holds_alternative<Progress>(incoming)) {
                     silence = 0;  // the coupler vouches for a peer that computes long
                     continue;
@@ -83,16 +100,34 @@ struct Participant::Impl {
             }
             if (channel.any_broken()) lost();
             if (silence >= seconds) {
+                if (!channel.ever_connected()) nobody_there();
                 fail("E_TIMEOUT", "the coupler at " + options.endpoint + " sent no " + what +
                                       " within " + number_text(seconds, 3) + " s");
             }
-            silence += channel.wait(seconds - silence);
+            silence += wait(seconds - silence, ring);
         }
     }
 
-    void accept() {
+    /// Takes a message into `incoming` if one is there.
+    bool take_next() {
+        if (by_segment && segment->has_message()) {
+            accept([&] { segment->read(incoming); });
+            return true;
+        }
+        if (!channel.receive(packet)) return false;
+        accept([&] { decode(packet, incoming); });
+        return true;
+    }
+
+    double wait(double seconds, const Segment::Ring& ring) {
+        if (!by_segment) return channel.wait(seconds);
+        if (segment->heard_of_socket()) return channel.wait(std::min(seconds, on_its_way));
+        return channel.wait_at(std::span(&ring, 1), seconds);
+    }
+
+    void accept(const auto& decode_it) {
         try {
-            decode(packet, incoming);
+            decode_it();
             if (const auto* error = std::get_if<Error>(&incoming)) raise(*error);
             session.follow(Side::coupler, incoming);
         } catch (const PeerError& error) {
@@ -125,6 +160,12 @@ struct Participant::Impl {
                                            std::to_string(session.step()) + "; see coupler.log");
     }
 
+    [[noreturn]] void nobody_there() const {
+        throw PeerError("E_TIMEOUT", "no coupler appeared at " + options.endpoint + " within " +
+                                         number_text(options.join_timeout, 3) +
+                                         " s; start it with this endpoint");
+    }
+
     [[noreturn]] void fail(const std::string& code, const std::string& text) {
         report(code, text);
         throw PeerError(code, text);
@@ -137,6 +178,7 @@ struct Participant::Impl {
             channel.send(
                 Error{session.id(), session.step(), code, text.substr(0, 4000), options.name}, {},
                 error_linger);
+            if (segment) segment->ring();
         } catch (...) {
             // The run fails already, for the reason that could not be sent.
         }
@@ -150,6 +192,8 @@ struct Participant::Impl {
         hello.name = options.name;
         hello.role = options.role;
         hello.capabilities = options.capabilities;
+        if (options.shared_memory && options.endpoint.starts_with("ipc://"))
+            hello.capabilities.push_back(shared_memory_capability);
         hello.software = options.software;
         session.follow(Side::solver, hello);
         switch (channel.send(hello, {}, options.join_timeout)) {
@@ -158,9 +202,7 @@ struct Participant::Impl {
             case Sent::connection_lost:
                 lost();
             case Sent::timed_out:
-                throw PeerError("E_TIMEOUT", "no coupler appeared at " + options.endpoint +
-                                                 " within " + number_text(options.join_timeout, 3) +
-                                                 " s; start it with this endpoint");
+                nobody_there();
         }
         take(std::max(options.join_timeout - seconds_since(start), 0.1), "WELCOME");
         welcome = std::get<Welcome>(incoming);
@@ -171,6 +213,9 @@ struct Participant::Impl {
                                   std::to_string(version_major) + "." +
                                   std::to_string(version_minor));
         }
+        if (std::ranges::find(welcome.capabilities, shared_memory_capability) !=
+            welcome.capabilities.end())
+            segment = Segment::open(welcome.session, options.name);
     }
 };
 
@@ -208,8 +253,13 @@ Surface Participant::wait_surface() {
     return std::get<Surface>(std::move(impl_->incoming));
 }
 
-void Participant::send(State state) {
-    impl_->post(std::move(state));
+void Participant::send(State&& state) {
+    State& own = std::holds_alternative<State>(impl_->outgoing)
+                     ? std::get<State>(impl_->outgoing)
+                     : impl_->outgoing.emplace<State>();
+    std::swap(own, state);
+    impl_->post(std::move(impl_->outgoing));
+    std::swap(own, state);
 }
 
 void Participant::send(Probe probe) {
@@ -262,6 +312,10 @@ StepReply Participant::wait_reply() {
     StepReply reply;
     wait_reply(reply);
     return reply;
+}
+
+bool Participant::shares_memory() const {
+    return impl_->by_segment;
 }
 
 double Participant::waited() const {

@@ -29,6 +29,7 @@ struct ParticipantOptions {
     std::vector<std::string> capabilities;
     std::string software;
     double join_timeout = 60;  // [s] how long the coupler may take to appear and answer
+    bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
 };
 
 /// What came back for a step. Exactly one of force, checkpoint and finish is set.
@@ -58,7 +59,9 @@ class Participant {
     Surface wait_surface();
 
     /// Sends without waiting for the answer. The session number is filled in; n, t must be right.
-    void send(State state);
+    /// By shared memory a STATE passed by move keeps its vectors: hand in the same one each step.
+    void send(State&& state);
+    void send(const State& state) { send(State(state)); }
     void send(Probe probe);
     void send(CheckpointAck ack);
     void send(const Progress& progress);
@@ -70,6 +73,9 @@ class Participant {
     StepReply wait_reply();
     /// The same into a reply used before, whose force vector is reused (no allocation per step).
     void wait_reply(StepReply& reply);
+
+    /// STATE and FORCE travel by shared memory.
+    bool shares_memory() const;
 
     /// [s] spent in wait_reply so far.
     double waited() const;

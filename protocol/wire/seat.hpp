@@ -2,10 +2,12 @@
 // A place of the run at the coupler, and who may take it.
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "wire/messages.hpp"
+#include "wire/segment.hpp"
 #include "wire/session.hpp"
 
 namespace undertow::wire {
@@ -24,6 +26,8 @@ struct Seat {
     double silence = 0;  // [s] time listened without a word, while a message is due
     std::vector<std::string> capabilities;  // both sides have
     std::vector<Mesh> meshes;
+    std::unique_ptr<Segment> segment;  // the data plane, if both sides have it
+    bool by_segment = false;           // the running STATE came by it, so FORCE may go by it
     Mesh particles;  // the mesh of role "particles", against which a PROBE is checked
 
     bool taken() const { return !name.empty(); }

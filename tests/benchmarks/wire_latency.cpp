@@ -1,7 +1,10 @@
 // What one coupled step costs on the wire: two participants and a coupler as three processes, no
 // physics. Each step two STATEs of N points go up and two FORCEs come down.
 //
-//     bench_wire_latency [--tcp] [--json FILE] [N ...]
+//     bench_wire_latency [--transport shm|ipc|tcp]... [--json] [N ...]
+//
+// --json prints {"coupling.us_per_step.shm.1000": ..., "coupling.cpu_us_per_step.shm.1000": ...}
+// instead of the table: medians of the wall time, and CPU of all three processes.
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -12,7 +15,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -48,8 +50,8 @@ void run_solver(const std::string& endpoint, const std::string& name, std::size_
     std::vector<double> x(3 * n_nodes, 1), v(3 * n_nodes, 1);
     double t = 0;
     StepReply reply;
+    State state;
     for (std::int64_t n = 0;; ++n) {
-        State state;
         state.n = n;
         state.t = t;
         state.dt_limit = 1e-6;
@@ -71,7 +73,7 @@ struct Figures {
     double median, fastest, slowest_percent, cpu;  // [us] per step
 };
 
-Figures measure(const std::string& endpoint_wanted, std::size_t n_points) {
+Figures measure(const std::string& transport, const std::string& folder, std::size_t n_points) {
     const int n_steps = n_points > 20000 ? 400 : 2000;
     int pipe_of_port[2][2];
     std::vector<pid_t> children;
@@ -90,7 +92,9 @@ Figures measure(const std::string& endpoint_wanted, std::size_t n_points) {
     double own_cpu = 0;
     {
         HostOptions options;
-        options.endpoint = endpoint_wanted;
+        options.endpoint =
+            transport == "tcp" ? "tcp://127.0.0.1:0" : "ipc://" + folder + "/coupler.sock";
+        options.shared_memory = transport == "shm";
         options.expected_roles = {"surface", "surface"};
         options.deadline = 20;
         Host host(options);
@@ -100,8 +104,13 @@ Figures measure(const std::string& endpoint_wanted, std::size_t n_points) {
         }
         host.wait_join();
         host.wait_meshes();
+        if (host.shares_memory() != (transport == "shm")) {
+            std::fprintf(stderr, "this system offers no shared memory\n");
+            std::exit(1);
+        }
         const std::size_t n_rows = std::max<std::size_t>(n_points, 4);
         std::vector<Received> received(2);
+        std::vector<Message> forces(2, Message(Force{}));
         double t = 0;
         auto last = std::chrono::steady_clock::now();
         for (int n = 0; n < n_steps + n_warm_up; ++n) {
@@ -112,14 +121,14 @@ Figures measure(const std::string& endpoint_wanted, std::size_t n_points) {
             }
             for (const Received& one : received) {
                 const State& state = std::get<State>(one.message);
-                Force force;
+                Force& force = std::get<Force>(forces[one.participant]);
                 force.n = n;
                 force.dt = 1e-6;
                 force.t1 = t + 1e-6;
                 force.f.resize(3 * n_rows);
                 for (std::size_t i = 0; i < force.f.size(); ++i)
                     force.f[i] = state.x[i] - state.v[i];
-                host.send(one.participant, std::move(force));
+                host.send(one.participant, std::move(forces[one.participant]));
             }
             t += 1e-6;
             const auto now = std::chrono::steady_clock::now();
@@ -151,39 +160,43 @@ Figures measure(const std::string& endpoint_wanted, std::size_t n_points) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    bool tcp = false;
-    std::string json;
+    bool json = false;
+    std::vector<std::string> transports;
     std::vector<std::size_t> sizes;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
-        if (argument == "--tcp")
-            tcp = true;
-        else if (argument == "--json" && i + 1 < argc)
-            json = argv[++i];
+        if (argument == "--json")
+            json = true;
+        else if (argument == "--transport" && i + 1 < argc)
+            transports.push_back(argv[++i]);
         else
             sizes.push_back(std::stoul(argument));
     }
-    if (sizes.empty()) sizes = {0, 1000, 10000};
+    if (sizes.empty()) sizes = {0, 1000, 10000, 100000};
+    if (transports.empty()) transports = {"shm", "ipc", "tcp"};
     std::string name = (std::filesystem::temp_directory_path() / "undertow-XXXXXX").string();
     const std::filesystem::path folder = mkdtemp(name.data());
-    const std::string endpoint =
-        tcp ? "tcp://127.0.0.1:0" : "ipc://" + (folder / "coupler.sock").string();
-    std::printf("%s, us per step:   N    median  fastest   99 %%     CPU of all three\n",
-                tcp ? "tcp" : "ipc");
+    if (!json) std::printf("us per step:  N    median  fastest     99 %%   CPU of all three\n");
     std::string entries;
-    for (const std::size_t size : sizes) {
-        const Figures figures = measure(endpoint, size);
-        std::printf("%21zu %9.1f %8.1f %8.1f %8.1f\n", figures.n_points, figures.median,
-                    figures.fastest, figures.slowest_percent, figures.cpu);
-        std::fflush(stdout);
-        char entry[64];
-        std::snprintf(entry, sizeof entry, "%s\"%zu\": %.1f", entries.empty() ? "" : ", ", size,
-                      figures.median);
-        entries += entry;
+    for (const std::string& transport : transports) {
+        for (const std::size_t size : sizes) {
+            const Figures figures = measure(transport, folder.string(), size);
+            char line[200];
+            if (json) {
+                const std::string key = transport + "." + std::to_string(size);
+                std::snprintf(line, sizeof line,
+                              "%s  \"coupling.us_per_step.%s\": %.1f,\n"
+                              "  \"coupling.cpu_us_per_step.%s\": %.1f",
+                              entries.empty() ? "" : ",\n", key.c_str(), figures.median,
+                              key.c_str(), figures.cpu);
+                entries += line;
+                continue;
+            }
+            std::printf("%s %11zu %9.1f %8.1f %8.1f %8.1f\n", transport.c_str(), figures.n_points,
+                        figures.median, figures.fastest, figures.slowest_percent, figures.cpu);
+            std::fflush(stdout);
+        }
     }
     std::filesystem::remove_all(folder);
-    if (!json.empty()) {
-        std::ofstream(json) << "{\"coupling\": {\"us_per_step\": {\"" << (tcp ? "tcp" : "ipc")
-                            << "\": {" << entries << "}}}}\n";
-    }
+    if (json) std::printf("{\n%s\n}\n", entries.c_str());
 }

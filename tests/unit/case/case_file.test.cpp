@@ -26,7 +26,7 @@ TEST_CASE("a case reads as written, with defaults for the rest") {
     CHECK(c.fem.block->divisions == std::array<int, 3>{4, 4, 1});
     CHECK(c.fem.material[0].young_modulus == 210e9);
     CHECK(c.coupling.law == StiffnessLaw::fluid);
-    CHECK(c.coupling.transport == "ipc");
+    CHECK(c.coupling.transport == "shm");
 }
 
 TEST_CASE("directions are normalized and history intervals are filled in") {

@@ -58,12 +58,14 @@ double push(Host& host, std::int64_t n_steps, double f, int axis) {
 }  // namespace
 
 TEST_CASE("the minimal backend swings to twice the static deflection") {
+    const std::string transport = GENERATE("shm", "ipc", "tcp");
     TemporaryFolder folder;
-    const pid_t child = start({MINIMAL_BACKEND, folder.endpoint()});
-    Host host(host_options(folder.endpoint(), {"surface"}));
+    Host host(options_for(transport, folder, {"surface"}));
+    const pid_t child = start({MINIMAL_BACKEND, host.endpoint()});
     // F/k = 2 N / 2e4 N/m; undamped, a step load overshoots to twice that. dt is 0.09/omega, so the
     // sampled peak and the leapfrog are within (omega dt)^2/8 = 0.1 %.
     CHECK(push(host, 200, 2, 2) == Approx(2e-4).epsilon(0.001));
+    CHECK(host.shares_memory() == (transport == "shm"));
     CHECK(exit_code(child) == 0);
 }
 
@@ -77,6 +79,7 @@ TEST_CASE("the Python spring wall runs with this coupler") {
                "--coupler", folder.endpoint(), "--quiet"});
     Host host(host_options(folder.endpoint(), {"surface"}));
     CHECK(push(host, 200, 2e3, 2) == Approx(2 * 8e3 / 8e6).epsilon(0.001));
+    CHECK_FALSE(host.shares_memory());  // it knows ipc only, which is as good
     CHECK(exit_code(child) == 0);
     std::ifstream file(folder.path / "out" / "summary.fem.json");
     const nlohmann::json summary = nlohmann::json::parse(file);

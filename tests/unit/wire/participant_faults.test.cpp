@@ -318,3 +318,28 @@ TEST_CASE("signals during waits and sends lose no message") {
     sigaction(SIGALRM, &before, nullptr);
     CHECK(solver.get() == 1000);
 }
+
+TEST_CASE("why the coupler left is known however late a solver reads it") {
+    // On a busy machine the connection has long been broken when the solver comes to look.
+    const std::string transport = GENERATE("shm", "ipc", "tcp");
+    const TemporaryFolder folder;
+    auto host = std::make_unique<Host>(options_for(transport, folder, {"surface"}));
+    std::promise<void> gone;
+    auto solver = std::async(std::launch::async, [&, endpoint = host->endpoint()] {
+        Participant link(surface_options(endpoint));
+        link.announce(square_mesh());
+        link.send(state_of(0, 0, 4));
+        gone.get_future().wait();
+        link.send(Progress{0, 0, 0.5, "a long step"});
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        link.wait_reply();
+    });
+    host->wait_join();
+    host->wait_meshes();
+    host->next();
+    host->broadcast_error("E_PHYSICS", "the contact broke", "");
+    host.reset();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    gone.set_value();
+    CHECK_THROWS_WITH(solver.get(), "coupler: the contact broke");
+}

@@ -106,4 +106,13 @@ inline HostOptions host_options(const std::string& endpoint,
     return options;
 }
 
+/// "shm", "ipc" or "tcp".
+inline HostOptions options_for(const std::string& transport, const TemporaryFolder& folder,
+                               std::vector<std::string> roles = {"particles", "surface"}) {
+    HostOptions options = host_options(
+        transport == "tcp" ? "tcp://127.0.0.1:0" : folder.endpoint(), std::move(roles));
+    options.shared_memory = transport == "shm";
+    return options;
+}
+
 }  // namespace undertow::wire

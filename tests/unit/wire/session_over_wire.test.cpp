@@ -1,6 +1,7 @@
 // Two solvers and a coupler, each in its thread, run a short session over a real socket.
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -138,13 +139,14 @@ void run_coupler(Host& host, std::int64_t n_steps) {
 }  // namespace
 
 TEST_CASE("a full session: two peers advance by the smaller step and end in good order") {
-    const std::string transport = GENERATE("ipc", "tcp");
+    const std::string transport = GENERATE("shm", "ipc", "tcp");
     const TemporaryFolder folder;
-    Host host(host_options(transport == "ipc" ? folder.endpoint() : "tcp://127.0.0.1:0"));
+    Host host(options_for(transport, folder));
     const std::string endpoint = host.endpoint();
     auto surface = std::async(std::launch::async, run_surface_solver, endpoint);
     auto particles = std::async(std::launch::async, run_particle_solver, endpoint);
     run_coupler(host, 20);
+    CHECK(host.shares_memory() == (transport == "shm"));
     const SolverRecord fem = surface.get();
     const SolverRecord sph = particles.get();
     CHECK(fem.reason == "done");
@@ -160,6 +162,21 @@ TEST_CASE("a full session: two peers advance by the smaller step and end in good
     CHECK(sph.rows[6] == 1);
     CHECK(host.name(0) == "sph");
     CHECK(host.bytes_sent() > 0);
+}
+
+TEST_CASE("messages by the socket wake who waits at the segment") {
+    // Every third step has a PROBE one way and a SURFACE the other, both by the socket. Without
+    // the bell each would lie there for the 50 ms of a sleep: 120 times in 180 steps.
+    const TemporaryFolder folder;
+    Host host(options_for("shm", folder));
+    auto surface = std::async(std::launch::async, run_surface_solver, folder.endpoint());
+    auto particles = std::async(std::launch::async, run_particle_solver, folder.endpoint());
+    const auto start = std::chrono::steady_clock::now();
+    run_coupler(host, 180);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));  // 0.1 s when idle
+    CHECK(host.shares_memory());
+    surface.get();
+    particles.get();
 }
 
 TEST_CASE("200000 steps neither grow the memory nor open files", "[.][soak]") {
