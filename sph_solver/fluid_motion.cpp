@@ -31,8 +31,8 @@ void FluidSystem::advance_density_in(double dt) {
 
 void FluidSystem::take_viscosity(double dt, double dt_before) {
     if (implicit_)
-        implicit_->solve(physics_, neighbors_, mirror_, bodies, 0.5 * (dt + dt_before),
-                         gravity_, index_.size(), particles);
+        implicit_->solve(physics_, neighbors_, mirror_, no_slip_, bodies,
+                         0.5 * (dt + dt_before), gravity_, index_.size(), particles);
 }
 
 void FluidSystem::constrain_start(double t, double dt, double dt_before) {

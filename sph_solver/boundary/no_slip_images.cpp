@@ -24,7 +24,7 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
         image_of_[e] = static_cast<int>(images_.size());
         const PlaneMask held = extras[e].mask & holding;
         images_.push_back({n + static_cast<int>(e), extras[e].source,
-                           ViscousImage(mirror, extras[e].mask, true),
+                           ViscousImage(mirror, extras[e].mask, true), held,
                            std::has_single_bit(held) ? std::countr_zero(held) : -1});
     }
     if (neighbors.exact().used)
@@ -32,6 +32,11 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
     else
         change_.resize(images_.size());
     if (images_.empty()) return;
+    reflection_.resize(std::size_t(1) << mirror.size());
+    for (std::size_t mask = 0; mask < reflection_.size(); ++mask)
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                reflection_[mask][a][b] = mirror.reflection(static_cast<PlaneMask>(mask)).m[a][b];
     const ClusterLists& lists = neighbors.fluid_lists();
     begin_.assign(1, 0);
     for (int c = 0; c < lists.clusters(); ++c) {

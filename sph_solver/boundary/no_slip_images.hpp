@@ -7,7 +7,16 @@
 //   order]
 // So records keep the free-slip motion, and what v' differs from it is added here, for those images
 // only.
+//
+// With the force of a pair along x_ij ("strain") the image of j does not stand to i as that of i to
+// j: one sees x_ij = x_i - R x_j, the other its reflection -R x_ij, while both move by -v. The two
+// forces would be no transposes of each other: friction that can drive, and an implicit update
+// whose matrix is not symmetric. So half of the force of such a pair acts along x_ij, half along
+// y = R x_ij:
+//   s [(v_ij . x) x + (v_ij . y) y]/2
+// which is symmetric, dissipates for any motion, and has the stress of the other in uniform shear.
 
+#include <array>
 #include <type_traits>
 #include <vector>
 
@@ -63,6 +72,9 @@ class NoSlipImages {
     struct Change {
         Real x, y, z;  // v' minus the record's velocity [m/s]
     };
+    using Matrix = std::array<std::array<double, 3>, 3>;
+    /// R of the no-slip planes of an image.
+    const Matrix& reflection(int image) const { return reflection_[images_[image].held]; }
     /// Real: the precision of the sums.
     template <class Real>
     const Change<Real>& change(int image) const {
@@ -76,9 +88,11 @@ class NoSlipImages {
     struct Image {
         int record, source;
         ViscousImage shown;
-        int plane;  // the no-slip plane, -1 in the corner of two
+        PlaneMask held;  // its no-slip planes
+        int plane;       // that plane, -1 in the corner of two
     };
     std::vector<Image> images_;
+    std::vector<Matrix> reflection_;  // [masks of planes]
     template <class Real>
     void pack_as(const Neighborhood& neighbors, const MirrorPlanes& mirror,
                  std::vector<Change<Real>>& change) const;

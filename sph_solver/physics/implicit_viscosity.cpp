@@ -23,13 +23,13 @@ double ImplicitViscosity::sum_over_particles(int n, Body&& body) {
 }
 
 void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& neighbors,
-                              const MirrorPlanes& mirror, const Bodies& bodies,
-                              double kick, const Vec3& g, std::size_t identities,
+                              const MirrorPlanes& mirror, const NoSlipImages& no_slip,
+                              const Bodies& bodies, double kick, const Vec3& g, std::size_t identities,
                               Particles& particles) {
     Particles& s = particles;
     const int n = static_cast<int>(s.size());
     if (n == 0 || !(kick > 0)) return;
-    operator_.prepare(physics, neighbors, mirror, bodies, s);
+    operator_.prepare(physics, neighbors, mirror, no_slip, bodies, s);
     before_.resize(3 * identities, 0.0f);
     for (Field3* f : {&guess_, &change_, &residual_, &direction_, &image_}) f->resize(n);
     const float* m = operator_.mass().data();

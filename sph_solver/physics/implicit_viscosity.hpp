@@ -29,8 +29,8 @@ class ImplicitViscosity {
     /// Adds the viscous acceleration to particles.ax, ay, az (pressure forces without it). kick: k
     /// [s]. Records must show v^{n-1/2}. particles: to be counted by identities below `identities`.
     void solve(const PairPhysics& physics, const Neighborhood& neighbors,
-               const MirrorPlanes& mirror, const Bodies& bodies, double kick,
-               const Vec3& gravity, std::size_t identities, Particles& particles);
+               const MirrorPlanes& mirror, const NoSlipImages& no_slip, const Bodies& bodies,
+               double kick, const Vec3& gravity, std::size_t identities, Particles& particles);
 
     const ImplicitFigures& figures() const { return figures_; }
 

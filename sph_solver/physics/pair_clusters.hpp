@@ -127,16 +127,54 @@ inline void add_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i
     }
 }
 
+/// What makes the force along x_ij of such a pair one half along x_ij and half along its reflection,
+/// see no_slip_images.hpp. v: its velocity minus the record's.
+template <class KernelLaw, Content content, class Real, class Change>
+inline void turn_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& i, const Change& v,
+                               const NoSlipImages::Matrix& reflection, const Record<Real>& j,
+                               const Meeting<Eight<Real>>* with, Real root_mu_j,
+                               PairSums<Eight<Real>>& sum) {
+    using Wide = Eight<Real>;
+    const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+    const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
+    Wide half = KernelLaw::gradient_factor(r2, c.inverse_h) * (Real(0.5) * j.volume) *
+                positive_part(c.near * reciprocal(r2) + c.far);
+    if constexpr (content == Content::several)
+        half *= with[FluidTag::of(j)].mu;
+    else if constexpr (variable_viscosity(content) && alone(content))
+        half *= mean_within(i.own.root_mu, root_mu_j);
+    else if constexpr (variable_viscosity(content))
+        half *= mean_viscosity(with[FluidTag::of(j)].same, i.own.root_mu, root_mu_j);
+    const auto along = [&](int a) {
+        const auto& m = reflection[a];
+        return Real(m[0]) * dx + Real(m[1]) * dy + Real(m[2]) * dz;
+    };
+    const Wide ex = along(0), ey = along(1), ez = along(2);
+    const Wide vx = i.own.vx - (j.vx + v.x), vy = i.own.vy - (j.vy + v.y),
+               vz = i.own.vz - (j.vz + v.z);
+    const Wide on_d = half * (vx * dx + vy * dy + vz * dz),
+               on_e = half * (vx * ex + vy * ey + vz * ez);
+    sum.ax += on_d * dx - on_e * ex;
+    sum.ay += on_d * dy - on_e * ey;
+    sum.az += on_d * dz - on_e * ez;
+}
+
 template <class KernelLaw, Content content, ViscousForm form, class Real>
 inline void add_no_slip(const PairConstants<Real>& c, const Lanes<Real>& i,
                         const NoSlipImages& no_slip, const Record<Real>* records, int cluster,
                         const Meeting<Eight<Real>>* with, const Real* root_mu,
                         PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
     constexpr bool variable = variable_viscosity(content);
-    for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at)
-        add_no_slip_image<KernelLaw, content, form>(
-            c, i, no_slip.change<Real>(at->image), records[at->record], with,
-            variable ? root_mu[at->record] : Real(0), sum, shear);
+    for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
+        const Real root_mu_j = variable ? root_mu[at->record] : Real(0);
+        add_no_slip_image<KernelLaw, content, form>(c, i, no_slip.change<Real>(at->image),
+                                                    records[at->record], with, root_mu_j, sum,
+                                                    shear);
+        if constexpr (form == ViscousForm::strain)
+            turn_no_slip_image<KernelLaw, content>(c, i, no_slip.change<Real>(at->image),
+                                                   no_slip.reflection(at->image),
+                                                   records[at->record], with, root_mu_j, sum);
+    }
 }
 
 /// What the sums of a cluster must contain, from what it holds and meets.

@@ -83,6 +83,32 @@ Sum sum_pairs(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* re
     return sum;
 }
 
+/// What makes the part along x_ij of pairs with images behind no-slip planes one half along x_ij and
+/// half along its reflection, see no_slip_images.hpp.
+template <class KernelLaw, bool several>
+void turn_no_slip(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* records,
+                  const NoSlipImages& no_slip, int cluster, float inverse_h, float tiny,
+                  AlongPair c, Sum& sum) {
+    for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
+        const Packed& j = records[at->record];
+        const auto& m = no_slip.reflection(at->image);
+        const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const float8 r2 = (dx * dx + tiny) + dy * dy + dz * dz;
+        const auto along = [&](int a) {
+            return float(m[a][0]) * dx + float(m[a][1]) * dy + float(m[a][2]) * dz;
+        };
+        const float8 ex = along(0), ey = along(1), ez = along(2);
+        const float8 half = 0.5f * weight<KernelLaw, several>(i, j, r2, inverse_h) *
+                            positive_part(c.near * reciprocal(r2) + c.far);
+        const float8 vx = ux - j.vx, vy = uy - j.vy, vz = uz - j.vz;
+        const float8 on_d = half * (vx * dx + vy * dy + vz * dz),
+                     on_e = half * (vx * ex + vy * ey + vz * ez);
+        sum.x += on_e * ex - on_d * dx;
+        sum.y += on_e * ey - on_d * dy;
+        sum.z += on_e * ez - on_d * dz;
+    }
+}
+
 /// sum_j mu_ij V_j F without the particle itself, or of its part along x_ij the trace.
 template <class KernelLaw, ViscousForm form, bool several>
 float8 sum_weights(const Target& i, const Packed* records, const int* at, const int* end,
@@ -109,9 +135,9 @@ double pair_scale(const PairPhysics& p) {
 }  // namespace
 
 void ViscousOperator::prepare(const PairPhysics& physics, const Neighborhood& neighbors,
-                              const MirrorPlanes& mirror, const Bodies& bodies,
-                              const Particles& particles) {
-    physics_ = &physics, neighbors_ = &neighbors, mirror_ = &mirror;
+                              const MirrorPlanes& mirror, const NoSlipImages& no_slip,
+                              const Bodies& bodies, const Particles& particles) {
+    physics_ = &physics, neighbors_ = &neighbors, mirror_ = &mirror, no_slip_ = &no_slip;
     records_ = neighbors.records();
     const int n = neighbors.fluid_count(), records = static_cast<int>(records_.size());
     const std::vector<Extra>& extras = neighbors.extras();
@@ -198,9 +224,13 @@ double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt,
         const int first = cluster * lanes;
         const Target i = load_target(records_.data(), first, n, fluids);
         const float8 ux = load(&u.x[first]), uy = load(&u.y[first]), uz = load(&u.z[first]);
-        const Sum sum =
+        Sum sum =
             sum_pairs<KernelLaw, form, several>(i, ux, uy, uz, records_.data(), lists.begin(cluster),
                                        lists.end(cluster), inverse_h, tiny, along);
+        if constexpr (form == ViscousForm::strain)
+            if (!no_slip_->empty())
+                turn_no_slip<KernelLaw, several>(i, ux, uy, uz, records_.data(), *no_slip_, cluster,
+                                                 inverse_h, tiny, along, sum);
         const float8 m = of_mass * load(&mass_[first]), v = to_force * i.volume;
         const float8 x = m * ux + v * sum.x, y = m * uy + v * sum.y, z = m * uz + v * sum.z;
         store(&out.x[first], x), store(&out.y[first], y), store(&out.z[first], z);

@@ -4,8 +4,9 @@
 //   (K u)_i = sum_j s w_ij [(u_i - u_j) . x_ij] x_ij                  strain     [Monaghan 2005,
 //   Eq. 8.9, s = (d + 2)/r^2 there, here as in strain_weight.hpp]
 //   w_ij = 2 mu_ij V_i V_j scale F(r)  [kg/s per m^(3-d)],  mu_ij as in pair_terms.hpp
-// w_ij = w_ji >= 0, and an image of j behind a plane stands to i as the image of i stands to j: K
-// is symmetric and positive semidefinite. The implicit update solves (M + dt K) u = M u*.
+// w_ij = w_ji >= 0, and an image of j behind a plane stands to i as the image of i stands to j,
+// behind a no-slip plane with the strain form by no_slip_images.hpp: K is symmetric and positive
+// semidefinite. The implicit update solves (M + dt K) u = M u*.
 
 #include <cstdint>
 #include <vector>
@@ -33,7 +34,7 @@ class ViscousOperator {
     /// Takes positions and viscosities as packed for this step. Free-slip bodies carry no stress, a
     /// no-slip body's dummy shows 2 v_wall - u_i.
     void prepare(const PairPhysics& physics, const Neighborhood& neighbors,
-                 const MirrorPlanes& mirror, const Bodies& bodies,
+                 const MirrorPlanes& mirror, const NoSlipImages& no_slip, const Bodies& bodies,
                  const Particles& particles);
 
     enum class Walls { moving, still };  // with their velocities; or the linear part alone
@@ -55,6 +56,7 @@ class ViscousOperator {
     const PairPhysics* physics_ = nullptr;
     const Neighborhood* neighbors_ = nullptr;
     const MirrorPlanes* mirror_ = nullptr;
+    const NoSlipImages* no_slip_ = nullptr;
     std::vector<Packed> records_;      // velocity: of u; p: root of the viscosity [sqrt(Pa s)]
     std::vector<ViscousImage> image_;  // [extras]
     std::vector<float> mass_;          // [particles], padded

@@ -101,9 +101,15 @@ void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
         std::size_t m = 0;
         while (m < met.size() && met[m].mask != mask) ++m;
         if (m == met.size()) met.push_back({mask, -1, {}});
-        add_no_slip_image<KernelLaw, content, form>(
-            c, i, no_slip.change<Real>(at->image), neighbors.records_in<Real>()[at->record], with,
-            variable ? neighbors.root_viscosity_in<Real>()[at->record] : Real(0), met[m].sum);
+        const Record<Real>& j = neighbors.records_in<Real>()[at->record];
+        const Real root_mu_j =
+            variable ? neighbors.root_viscosity_in<Real>()[at->record] : Real(0);
+        add_no_slip_image<KernelLaw, content, form>(c, i, no_slip.change<Real>(at->image), j, with,
+                                                    root_mu_j, met[m].sum);
+        if constexpr (form == ViscousForm::strain)
+            turn_no_slip_image<KernelLaw, content>(c, i, no_slip.change<Real>(at->image),
+                                                   no_slip.reflection(at->image), j, with,
+                                                   root_mu_j, met[m].sum);
     }
     for (const OfWall<Real>& of : met) {
         const Eight<Real> per_rho = i.volume * k.per_mass;
