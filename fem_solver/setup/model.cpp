@@ -13,6 +13,7 @@
 #include "fem_solver/setup/implicit_check.hpp"
 #include "fem_solver/setup/motions.hpp"
 #include "fem_solver/setup/rigid_sets.hpp"
+#include "fem_solver/setup/sheet_mesh.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -26,7 +27,9 @@ Mesh make_mesh(const Case& c) {
         throw InputError("fem.surface \"" + immobile.front() +
                          "\": immobile facets belong to no element, but all facets of [fem.block] "
                          "do; remove immobile, or bring them in a fem.mesh.");
-    if (c.fem.block) return make_block(*c.fem.block);
+    if (c.fem.block)
+        return c.fem.block->cells == BlockCells::shells ? make_sheet(*c.fem.block)
+                                                        : make_block(*c.fem.block);
     if (c.fem.mesh.empty())
         throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"file.msh\".");
     std::vector<std::string> shells;

@@ -222,7 +222,7 @@ struct SphSettings {
 };
 
 // ---------------------------------------------------------------- [fem]
-enum class BlockCells { hexahedra, tetrahedra };
+enum class BlockCells { hexahedra, tetrahedra, shells };
 
 struct FemBlock {                        // [fem.block] structured mesh, instead of a file
     Box box;
@@ -231,6 +231,8 @@ struct FemBlock {                        // [fem.block] structured mesh, instead
                                          // the box (which then bounds them)
     BlockCells cells = BlockCells::hexahedra;  // "hexahedra", or each cut into six "tetrahedra"
     // volume set "block"; facet sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"; node sets alike
+    // "shells": a rectangle where the box is flat, divisions 0 along that axis; volume and facet set
+    // "block", node sets "xmin", ... of its edges
 };
 
 enum class MaterialKind { linear_elastic, tresca, j2 };

@@ -222,7 +222,9 @@ void to_json(Json& j, const FemBlock& v) {
     j = {{"box", v.box},
          {"divisions", v.divisions},
          {"corners", v.corners},
-         {"cells", v.cells == BlockCells::tetrahedra ? "tetrahedra" : "hexahedra"}};
+         {"cells", v.cells == BlockCells::shells       ? "shells"
+                   : v.cells == BlockCells::tetrahedra ? "tetrahedra"
+                                                       : "hexahedra"}};
 }
 void to_json(Json& j, const FemMaterial& v) {
     j = {{"name", v.name},

@@ -15,7 +15,9 @@ const std::vector<std::string> block_sets{"xmin", "xmax", "ymin", "ymax", "zmin"
 void read_set(TableReader& reader, std::string& set, const FemSettings& fem,
               const std::vector<std::string>& of_block) {
     reader.require("set", "the name of a set of the mesh");
-    if (fem.block)
+    if (fem.block && fem.block->cells == BlockCells::shells && &of_block == &block_facets)
+        reader.word("set", set, {"block"});  // the sheet itself
+    else if (fem.block)
         reader.word("set", set, of_block);
     else
         reader.text("set", set);
@@ -45,11 +47,19 @@ void read_block(TableReader& reader, FemBlock& block, const CaseInfo& info) {
         reader.require("box", "the box { min, max } of the block, or its eight corners");
     }
     reader.require("divisions", "the number of elements [x, y, z]");
-    reader.box("box", block.box);
     reader.divisions("divisions", block.divisions);
     reader.choice<BlockCells>(
         "cells", block.cells,
-        {{"hexahedra", BlockCells::hexahedra}, {"tetrahedra", BlockCells::tetrahedra}});
+        {{"hexahedra", BlockCells::hexahedra},
+         {"tetrahedra", BlockCells::tetrahedra},
+         {"shells", BlockCells::shells}});
+    if (block.cells != BlockCells::shells &&
+        std::count(block.divisions.begin(), block.divisions.end(), 0) > 0)
+        reader.reject("divisions", "is not allowed: 0 along an axis is for cells = \"shells\".");
+    std::string axes;  // along which the block extends
+    for (std::size_t k = 0; k < 3; ++k)
+        if (block.divisions[k] > 0) axes += "xyz"[k];
+    reader.box("box", block.box, axes);
     if (info.dimension != 2) return;
     if (reader.has("divisions") && block.divisions[1] != 1)
         reader.reject("divisions",
@@ -225,10 +235,10 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
             entry.require("thickness", "the thickness of the shell in m");
         else if (entry.has("thickness"))
             entry.reject("thickness", "has no effect but with element = \"shell\".");
-        if (part.element == ElementFormulation::shell && fem.block)
-            entry.reject("element",
-                         "needs quads, but [fem.block] is made of hexahedra; bring the "
-                         "shell in a fem.mesh, as a physical surface.");
+        if (fem.block && (part.element == ElementFormulation::shell) !=
+                             (fem.block->cells == BlockCells::shells))
+            entry.reject("element", "does not fit the block: \"shell\" goes with [fem.block] cells = "
+                                    "\"shells\", every other element with solid cells.");
         entry.flag("implicit", part.implicit);
         for (const FemMaterial& material : fem.material)
             if (part.implicit && material.name == part.material &&

@@ -171,10 +171,10 @@ void TableReader::divisions(const std::string& key, std::array<int, 3>& target) 
     const bool three =
         node->is(Node::Kind::array) && node->items.size() == 3 &&
         std::all_of(node->items.begin(), node->items.end(), [](const Node& item) {
-            return item.is(Node::Kind::integer) && item.integer >= 1 && item.integer <= 100000;
+            return item.is(Node::Kind::integer) && item.integer >= 0 && item.integer <= 100000;
         });
     if (!three)
-        reject(key, "is not allowed: three integers of 1 to 100000 [x, y, z] are expected.");
+        reject(key, "is not allowed: three integers of 0 to 100000 [x, y, z] are expected.");
     for (std::size_t axis = 0; axis < 3; ++axis)
         target[axis] = static_cast<int>(node->items[axis].integer);
 }

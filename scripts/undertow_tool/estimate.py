@@ -109,7 +109,11 @@ def fem_mesh(case):
         found = read_hexahedra(Path(case["folder"]) / case["fem"]["mesh"], rigid)
         return (*found, None) if found else None
     n = block["divisions"]
-    lengths = [(block["box"]["max"][k] - block["box"]["min"][k]) / n[k] for k in range(3)]
+    extents = [block["box"]["max"][k] - block["box"]["min"][k] for k in range(3)]
+    if block.get("cells") == "shells":              # a sheet, touched from both sides
+        elements = math.prod(count for count in n if count > 0)
+        return min(e / count for e, count in zip(extents, n) if count > 0), elements, 2 * elements * len(case["fem"]["surface"])
+    lengths = [e / count for e, count in zip(extents, n)]
     facets = {"x": n[1] * n[2], "y": n[0] * n[2], "z": n[0] * n[1]}
     in_six = block.get("cells") == "tetrahedra"     # whose heights are about half a cell's edge
     return (min(lengths) * (0.5 if in_six else 1), math.prod(n) * (6 if in_six else 1),

@@ -28,7 +28,9 @@ def element_length(case):
         along = ([(0, 1), (3, 2), (4, 5), (7, 6)], [(0, 3), (1, 2), (4, 7), (5, 6)], [(0, 4), (1, 5), (2, 6), (3, 7)])
         extent = np.array([np.mean([np.linalg.norm(corners[b] - corners[a]) for a, b in edges]) for edges in along])
     divisions = np.array(block["divisions"], dtype=float)
-    lengths = (extent / divisions)[divisions > 1] if np.any(divisions > 1) else extent / divisions
+    lengths = extent / np.maximum(divisions, 1)       # a sheet of shells has 0 across itself
+    if np.any(divisions > 1):
+        lengths = lengths[divisions > 1]
     return float(np.mean(lengths))
 
 

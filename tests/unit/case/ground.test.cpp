@@ -70,7 +70,7 @@ gap = 0.005
 TEST_CASE("shells, their supports and their yielding are read, and mistakes told") {
     const std::string part = "material = \"steel\"\n";
     CHECK_THAT(mistake(case_text::with(plate, part, part + "element = \"shell\"\n")),
-               Catch::Contains("needs quads") && Catch::Contains("[fem.block]"));
+               Catch::Contains("does not fit") && Catch::Contains("[fem.block]"));
     CHECK_THAT(mistake(case_text::with(plate, part, part + "thickness = 0.1\n")),
                Catch::Contains("no effect") && Catch::Contains("shell"));
     CHECK_THAT(mistake(case_text::with(plate, "poisson_ratio = 0.3\n",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "fem_solver/setup/sheet_mesh.hpp"
 #include "fem_solver/settle.hpp"
 #include "fem_solver/shells/shells.hpp"
 #include "support.hpp"
@@ -370,6 +371,27 @@ TEST_CASE("a strip of J2 shells that hits its clamp yields, and the energies clo
     CHECK(e.plastic > 0.3 * peak);
     CHECK(worst < 1e-4 * peak);
     CHECK(e.hourglass < 0.05 * peak);
+}
+
+TEST_CASE("a sheet of [fem.block] has its shells, edges and normals, and other boxes are refused") {
+    const Mesh mesh = make_sheet({{{0, 2, -1}, {3, 2, 1}}, {6, 0, 4}, {}, BlockCells::shells});
+    CHECK(mesh.shells.size() == 24);
+    CHECK(mesh.x.size() == 35);
+    CHECK(mesh.facets_of("block", "set").size() == 24);
+    for (const auto& [edge, count, axis, place] :
+         {std::tuple{"xmin", 5, 0, 0.0}, {"xmax", 5, 0, 3.0}, {"zmin", 7, 2, -1.0}, {"zmax", 7, 2, 1.0}}) {
+        const auto nodes = mesh.nodes_of(edge, "set");
+        CHECK(nodes.size() == std::size_t(count));
+        for (std::int32_t n : nodes) CHECK(mesh.x[n][axis] == place);
+    }
+    for (const Quad& q : mesh.shells) {  // along + y
+        const Vec3 a = mesh.x[q[0]], b = mesh.x[q[1]], c = mesh.x[q[3]];
+        CHECK((b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]) == Approx(0.25));
+    }
+    CHECK_THROWS_WITH(make_sheet({{{0, 2, -1}, {3, 2.1, 1}}, {6, 0, 4}, {}, BlockCells::shells}),
+                      Catch::Contains("middle surface"));
+    CHECK_THROWS_WITH(make_sheet({{{0, 2, -1}, {3, 3, 1}}, {6, 1, 4}, {}, BlockCells::shells}),
+                      Catch::Contains("one axis"));
 }
 
 TEST_CASE("what a shell cannot do is refused with a sentence") {
