@@ -8,6 +8,7 @@
 #include "results/log.hpp"
 #include "results/stop_signal.hpp"
 #include "wire/errors.hpp"
+#include "wire/failure.hpp"
 
 namespace undertow::coupler {
 
@@ -48,17 +49,8 @@ Coupler::Coupler(const Case& input, const CouplerOptions& options)
 int Coupler::run() {
     try {
         return run_loop();
-    } catch (const PeerError& error) {
-        participants_.broadcast(error.code, error.what());
-        throw;
-    } catch (const PhysicsError& error) {
-        participants_.broadcast("E_PHYSICS", error.what());
-        throw;
-    } catch (const InputError& error) {
-        participants_.broadcast("E_INPUT", error.what());
-        throw;
     } catch (const std::exception& error) {
-        participants_.broadcast("E_STATE", error.what());
+        participants_.broadcast(failure_of(error).code, error.what());
         throw;
     }
 }

@@ -54,19 +54,19 @@ void check(const Health& health, double t, const FluidSystem& fluid) {
         fixed.z0 + before.z * fixed.unit, t));
 }
 
-/// Alone nobody else looks at the offer; coupled, the coupler does.
+/// The coupler would refuse such an offer as well; only here is it known which particle makes it.
 void check_floor(const StableStep& stable, double t, double min_step, const FluidSystem& fluid,
                  double c0, double last_fields) {
     if (stable.dt >= min_step) return;
     const std::string limiter = stable.limiter;
-    std::string who = "the viscosity of a fluid";
+    std::string who = limiter == "viscosity" ? "the viscosity of a fluid" : "all particles alike";
     if (const int i = fluid.limiting_particle(limiter); i >= 0) {
         const Particles& p = fluid.particles;
         who = fmt::format("particle {} of {} at ({:.5g}, {:.5g}, {:.5g}) m with a speed of {:.4g} m/s",
                           p.id[i], p.size(), p.x[i], p.y[i], p.z[i],
                           std::hypot(p.vx[i], p.vy[i], p.vz[i]));
     }
-    throw PhysicsError(fmt::format(
+    throw StepCollapse(fmt::format(
         "At t = {:.6g} s the stable step fell to {:.4g} s, below time.min_step = {:.4g} s; it is "
         "limited by {} ({}), c0 = {:.4g} m/s. {} {}",
         t, stable.dt, min_step, limiter, who, c0,
@@ -159,8 +159,7 @@ int run(const Case& input, const SolverOptions& options) {
                 stable_step({fluid.least_smoothing(), fluid.limiting_sound_speed(), health.max_speed, health.max_acceleration,
                              health.max_kinematic_viscosity},
                             cfl, input.sph.force_cfl);
-            if (alone)
-                check_floor(stable, t, input.time.min_step, fluid, c0, recorder.last_fields());
+            check_floor(stable, t, input.time.min_step, fluid, c0, recorder.last_fields());
             link->offer({n, t, stable.dt, std::string("sph: ") + stable.limiter, figures.particle_steps},
                         fluid);
             watch.lap(figures.contact_wait);

@@ -27,7 +27,7 @@ AgreedStep StepAgreement::agree(double t, const std::vector<StepOffer>& offers) 
     std::string limiter;
     for (const StepOffer& offer : offers) {
         if (!(offer.dt >= time_.min_step))
-            throw PhysicsError("At t = " + number_text(t, 4) + " s the stable step fell to " +
+            throw StepCollapse("At t = " + number_text(t, 4) + " s the stable step fell to " +
                                number_text(offer.dt, 4) + " s (" + offer.limiter +
                                "), below time.min_step = " + number_text(time_.min_step, 4) +
                                " s: the state has gone wrong there; look at the last field output "

@@ -15,7 +15,7 @@ void write_file_atomically(const std::string& path, std::string_view text) {
         file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
     const bool closed = file != nullptr && std::fclose(file) == 0;
     if (!written || !closed || std::rename(aside.c_str(), path.c_str()) != 0)
-        throw InputError(path + " could not be written: " + std::strerror(errno) +
+        throw FileError(path + " could not be written: " + std::strerror(errno) +
                          "; check that its folder exists, can be written and is not full.");
 }
 

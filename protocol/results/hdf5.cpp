@@ -1,6 +1,13 @@
 #include "results/hdf5.hpp"
 
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "wire/errors.hpp"
@@ -9,8 +16,10 @@ namespace undertow::hdf5 {
 
 namespace {
 
-/// HDF5 prints a stack of its own on every failure; ours is one sentence.
+/// HDF5 prints a stack of its own on every failure; ours is one sentence. What could not be written
+/// is not tried again when the program exits: the library would crash there.
 void silence_library() {
+    H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -19,6 +28,23 @@ Handle access_without_locks() {
     Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_file_locking(access, false, true);
     return access;
+}
+
+/// Sets blocks aside behind the end of the file, which HDF5 then grows into. Returns errno, or 0.
+int set_aside(const std::string& path, std::uint64_t room) {
+    const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file < 0) return errno;
+    struct stat status {};
+    struct rlimit limit {};
+    int error = 0;
+    if (fstat(file, &status) != 0 || getrlimit(RLIMIT_FSIZE, &limit) != 0)
+        error = errno;
+    else if (limit.rlim_cur != RLIM_INFINITY && status.st_size + room > limit.rlim_cur)
+        error = EFBIG;  // a limit of the shell: ulimit -f
+    else if (fallocate(file, FALLOC_FL_KEEP_SIZE, status.st_size, static_cast<off_t>(room)) != 0)
+        error = errno == EOPNOTSUPP || errno == ENOSYS ? 0 : errno;  // some file systems cannot
+    close(file);
+    return error;
 }
 
 }  // namespace
@@ -35,8 +61,12 @@ File File::create(const std::string& path) {
     return File(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_without_locks()));
 }
 
-File File::append(const std::string& path) {
+File File::append(const std::string& path, std::uint64_t room) {
     silence_library();
+    if (const int error = set_aside(path, room))
+        throw FileError(path + ": there is no room for the " + std::to_string(room / 1024) +
+                        " kB of the next output (" + std::strerror(error) +
+                        "); check that the disk is not full. The outputs before are whole.");
     return File(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, access_without_locks()));
 }
 
@@ -47,8 +77,8 @@ void File::close() {
 }
 
 void File::fail(const std::string& what) const {
-    throw InputError(path_ + ": " + what +
-                     "; check that its folder can be written and that the disk is not full.");
+    throw FileError(path_ + ": " + what +
+                    "; check that its folder can be written and that the disk is not full.");
 }
 
 Handle File::own(hid_t id, herr_t (*close)(hid_t), const std::string& what) const {

@@ -39,7 +39,9 @@ class Handle {
 class File {
  public:
     static File create(const std::string& path);   // replaces what was there
-    static File append(const std::string& path);
+    /// `room` [byte] is what will be added at most: if the disk has not that much left, the file
+    /// stays untouched. HDF5 cannot undo half an append, and such a file opens no more.
+    static File append(const std::string& path, std::uint64_t room);
     /// Flushes and closes; throws when the data did not reach the kernel.
     void close();
 

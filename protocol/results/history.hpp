@@ -2,7 +2,6 @@
 // A CSV history: '#' header lines (quantity, units, filter), a column line, rows flushed in time.
 
 #include <cstdint>
-#include <cstdio>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,14 +17,18 @@ class History {
     History(History&&) noexcept;
     History(const History&) = delete;
 
-    /// One row, %.9g; as many values as columns. Flushed to the kernel at least once per second of
-    /// wall time and by flush(), so that a killed run keeps its rows.
+    /// One row, %.9g; as many values as columns. Rows go to the kernel whole, at least once per
+    /// second of wall time and by flush(), so that a killed run or a full disk leaves whole rows.
     void row(std::span<const double> values);
     void flush();
 
  private:
-    std::FILE* file_ = nullptr;
+    int write_rows() noexcept;
+
+    std::string path_;
+    int file_ = -1;  // descriptor
     std::size_t columns_ = 0;
+    std::string rows_;  // whole ones, on their way
     double last_flush_ = 0;
 };
 

@@ -95,7 +95,9 @@ void MeshFile::append(double t, std::span<const double> x, const std::vector<Fie
                       const std::vector<Field>& cell_fields) {
     const std::size_t step = times_.size();
     if (x.size() != 3 * nodes_) throw std::logic_error("a mesh step needs every node's position");
-    hdf5::File file = hdf5::File::append(hdf_path());
+    hdf5::File file = hdf5::File::append(
+        hdf_path(), vtkhdf::room_for_step(point_fields, nodes_, 3 * sizeof(float)) +
+                        vtkhdf::room_for_step(cell_fields, cells_, 0));
     if (step == 0) {
         for (const Field& field : point_fields) {
             point_layout_.push_back(vtkhdf::layout_of(field));

@@ -68,7 +68,10 @@ void ParticleFile::append(double t, std::span<const double> x, std::span<const s
                           const std::vector<Field>& fields) {
     const std::size_t n = id.size(), step = times_.size();
     if (x.size() != 3 * n) throw std::logic_error("a particle step needs three coordinates per id");
-    hdf5::File file = hdf5::File::append(hdf_path());
+    // x in single, id, and the vertices' numbers and offsets
+    constexpr std::size_t row_bytes = 3 * sizeof(float) + 3 * sizeof(std::int64_t);
+    hdf5::File file =
+        hdf5::File::append(hdf_path(), vtkhdf::room_for_step(fields, n, row_bytes));
     if (step == 0) {
         create_topologies(file, n);
         file.create_growing("/VTKHDF/Points", H5T_IEEE_F32LE, 3, vtkhdf::chunk_rows(n));

@@ -25,6 +25,8 @@ void install_stop_signal() {
     action.sa_flags = SA_RESTART;  // file writes go on; a poll() still wakes up with EINTR
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
+    // A file that grows past a limit (ulimit -f) is a failed write, said in a sentence, not a death.
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 bool stop_requested() {

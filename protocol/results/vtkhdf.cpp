@@ -26,6 +26,15 @@ void check_fields(const std::vector<Field>& fields, const std::vector<FieldLayou
     }
 }
 
+std::uint64_t room_for_step(const std::vector<Field>& fields, std::size_t rows,
+                            std::size_t row_bytes) {
+    // A dataset grows by whole chunks: up to one more than the rows need. Its index, view and tables
+    // take 4 to 10 kB; another 64 kB stand for the tables that all have in common.
+    constexpr std::uint64_t upkeep = 16 * 1024, common = 64 * 1024;
+    for (const Field& field : fields) row_bytes += sizeof(float) * std::size_t(field.components);
+    return (rows + chunk_rows(rows)) * row_bytes + (fields.size() + 4) * upkeep + common;
+}
+
 void create_root(hdf5::File& file, const char* type) {
     file.create_group("/VTKHDF");
     file.set_attribute("/VTKHDF", "Version", std::vector<std::int64_t>{2, 0});

@@ -21,6 +21,11 @@ FieldLayout layout_of(const Field& field);
 void check_fields(const std::vector<Field>& fields, const std::vector<FieldLayout>& layout,
                   std::size_t rows);
 
+/// What a step with these fields adds to a file at most, if everything else takes `row_bytes` per
+/// row.  [byte]
+std::uint64_t room_for_step(const std::vector<Field>& fields, std::size_t rows,
+                            std::size_t row_bytes);
+
 /// /VTKHDF with its version and type, and /VTKHDF/Steps.
 void create_root(hdf5::File& file, const char* type);
 

@@ -13,6 +13,11 @@ struct InputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// A file or a disk does not take or give what it should; E_IO for the peers, the user's to mend.
+struct FileError : InputError {
+    using InputError::InputError;
+};
+
 /// A peer failed: lost, late, wrong version, malformed. `code` is one of the protocol's E_ codes.
 struct PeerError : std::runtime_error {
     PeerError(std::string error_code, const std::string& text)
@@ -23,6 +28,11 @@ struct PeerError : std::runtime_error {
 /// The computation is in trouble: NaN, inverted element, collapsed step.
 struct PhysicsError : std::runtime_error {
     using std::runtime_error::runtime_error;
+};
+
+/// A stable step below time.min_step; E_DT for the peers.
+struct StepCollapse : PhysicsError {
+    using PhysicsError::PhysicsError;
 };
 
 }  // namespace undertow

@@ -42,6 +42,7 @@ struct Figures {
 struct Misbehavior {
     std::int64_t die_at = -1;     // kill -9 of itself
     std::int64_t silent_at = -1;  // stops answering
+    std::int64_t hang_at = -1;    // computes forever, its connection alive
     std::int64_t nan_at = -1;     // sends NaN as a position
     std::int64_t stop_at = -1;    // asks to stop, like Ctrl-C
     std::int64_t fail_at = -1;    // reports an error of its own
@@ -110,6 +111,11 @@ Mesh mesh_of(const Figures& figures, const Body& body) {
 void misbehave(const Misbehavior& bad, std::int64_t n, Participant& link) {
     if (n == bad.die_at) std::raise(SIGKILL);
     if (n == bad.silent_at) std::this_thread::sleep_for(std::chrono::hours(1));
+    if (n == bad.hang_at) {
+        say("hangs");
+        for (volatile bool forever = true; forever;) {
+        }
+    }
     if (n == bad.fail_at) {
         const std::string text = "the dummy was told to fail at step " + std::to_string(n);
         link.report_error("E_PHYSICS", text);
@@ -255,6 +261,7 @@ int main(int argc, char** argv) {
     app.add_option("--join-timeout", figures.join_timeout);
     app.add_option("--die-at-step", bad.die_at);
     app.add_option("--silent-at-step", bad.silent_at);
+    app.add_option("--hang-at-step", bad.hang_at);
     app.add_option("--nan-at-step", bad.nan_at);
     app.add_option("--stop-at-step", bad.stop_at);
     app.add_option("--fail-at-step", bad.fail_at);

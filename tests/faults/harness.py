@@ -1,0 +1,229 @@
+"""Scenes of real processes for the fault matrix: start them, hurt them, see what a user would read.
+
+    with Scene() as scene:
+        scene.start_trio()
+        scene.wait_for_step(100)
+        scene["sph"].kill()
+        scene.expect("coupler", code=3, says="sph vanished", within=2)
+
+Every scene has a folder and an endpoint of its own, so that tests run side by side. With
+UNDERTOW_FAULT_RECORD=FILE each expectation that held is appended to FILE, for table.py.
+"""
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import tempfile
+import time
+import traceback
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOP = HERE.parents[1]
+BIN = pathlib.Path(os.environ.get("UNDERTOW_BUILD", TOP / "build")) / "bin"
+
+BUSY = 6.0      # [s] what a loaded machine may add to any time
+LOGS = {"coupler": "coupler.log", "sph": "sph_solver.log", "fem": "fem_solver.log"}
+ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive",
+               "GOMP_SPINCOUNT": "0", "PYTHONDONTWRITEBYTECODE": "1"}
+
+
+def record(row, text="", **entry):
+    """A line for table.py, if somebody asked for it: a program's end, or a figure as `text`."""
+    if os.environ.get("UNDERTOW_FAULT_RECORD"):
+        test = next(frame for frame in traceback.extract_stack() if frame.name.startswith("test_"))
+        entry = {"row": row, "text": text, "test": test.name,
+                 "file": pathlib.Path(test.filename).stem, **entry}
+        with open(os.environ["UNDERTOW_FAULT_RECORD"], "a", encoding="utf-8") as file:
+            file.write(json.dumps(entry) + "\n")
+
+
+class Program:
+    """A process of the scene, and what it told its user."""
+
+    def __init__(self, name, command, out, log, environment=(), before=None):
+        self.name, self.log_path = name, log
+        self.stderr_path = out / f"{name}.stderr"
+        with open(self.stderr_path, "wb") as stderr:
+            self.process = subprocess.Popen([str(part) for part in command], stderr=stderr,
+                                            stdout=subprocess.DEVNULL, preexec_fn=before,
+                                            env={**ENVIRONMENT, **dict(environment)})
+
+    def signal(self, number):
+        self.process.send_signal(number)
+
+    def kill(self):
+        self.signal(signal.SIGKILL)
+
+    def wait(self, seconds):
+        try:
+            return self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return None
+
+    def said(self):
+        """Log and terminal."""
+        return "".join(path.read_text(errors="replace")
+                       for path in (self.log_path, self.stderr_path) if path.exists())
+
+    def sentence(self, part=""):
+        """The error as the user reads it: the line that holds `part`, without time and program."""
+        lines = [line for line in self.said().splitlines() if part in line]
+        text = next((line for line in lines if "error" in line), lines[0] if lines else "")
+        return re.sub(r"^.*?error\S*: ", "", text)
+
+    def memory(self, key="VmRSS"):
+        """[kB] of /proc/PID/status; VmHWM is the peak."""
+        text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(key + r":\s+(\d+)", text)[1])
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+
+
+class Scene:
+    def __init__(self, case="water_on_plate", transport="ipc"):
+        self.case = HERE / f"{case}.toml"
+        self.folder = tempfile.TemporaryDirectory(prefix="undertow-")
+        self.path = pathlib.Path(self.folder.name)
+        self.out = self.path / "results"
+        self.out.mkdir()
+        self.endpoint = f"ipc://{self.path}/socket/coupler.sock"
+        self.programs, self.since = {}, time.monotonic()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for program in self.programs.values():
+            if program.process.poll() is None:
+                program.signal(signal.SIGCONT)
+                program.kill()
+                program.process.wait()
+        self.folder.cleanup()
+
+    def __getitem__(self, name):
+        return self.programs[name]
+
+    # ------------------------------------------------------------ starting
+
+    def start(self, name, command, log=None, **how):
+        log = self.out / (log or LOGS.get(name, f"{name}.log"))
+        self.programs[name] = Program(name, command, self.out, log, **how)
+        return self.programs[name]
+
+    def start_coupler(self, *options, name="coupler", out=None, **how):
+        return self.start(name, [BIN / "coupler", self.case, "--out", out or self.out, "--endpoint",
+                                 self.endpoint, "--quiet", *options], **how)
+
+    def start_solver(self, name, *options, **how):
+        return self.start(name, [BIN / f"{name}_solver", self.case, "--out", self.out, "--coupler",
+                                 self.endpoint, "--quiet", "--threads", "1", *options], **how)
+
+    def start_dummy(self, role, *options, name=None, **how):
+        name = name or {"particles": "sph", "surface": "fem"}[role]
+        return self.start(name, [BIN / "dummy_peer", role, "--endpoint", self.endpoint, "--log",
+                                 self.out / f"{name}.dummy.log", *options],
+                          log=f"{name}.dummy.log", **how)
+
+    def start_trio(self, *options, **how):
+        self.start_coupler(*options, **how)
+        for name in ("sph", "fem"):
+            self.start_solver(name, *options, **how)
+
+    # ------------------------------------------------------------ watching
+
+    def status(self):
+        try:
+            return json.loads((self.out / "status.json").read_text())
+        except (OSError, ValueError):
+            return {}
+
+    def wait_for_step(self, step, seconds=20):
+        """Until the coupler reports more than `step` steps (it does so once a second)."""
+        self.wait_until(lambda: self.status().get("step", 0) > step, f"step {step}", seconds)
+
+    def wait_until(self, holds, what, seconds=20):
+        end = time.monotonic() + seconds
+        while not holds():
+            if time.monotonic() > end:
+                raise AssertionError(f"{what} did not come within {seconds} s\n{self.report()}")
+            time.sleep(0.01)
+
+    def wait_for_connection(self):
+        """Until a participant's HELLO has had time to be answered: the coupler's descriptors tell."""
+        coupler = self["coupler"]
+        self.wait_for_coupler()
+        sockets = lambda: sum(os.readlink(entry).startswith("socket:")
+                              for entry in pathlib.Path(f"/proc/{coupler.process.pid}/fd").iterdir())
+        self.wait_until(lambda: sockets() >= 2, "a connection")
+        time.sleep(0.2)
+
+    def wait_for_coupler(self):
+        """Until the coupler listens."""
+        self.wait_until(lambda: "waiting for participants" in self["coupler"].said(), "the coupler")
+
+    def now(self):
+        """The moment from which the times to end count: when the fault is made."""
+        self.since = time.monotonic()
+
+    def report(self):
+        return "\n".join(f"---- {name} ({program.process.poll()})\n{program.said()}"
+                         for name, program in self.programs.items())
+
+    # ------------------------------------------------------------ judging
+
+    def expect(self, name, code, says="", within=2.0, row=None):
+        """`name` ends with `code`, having said `says`, `within` seconds of now() (and what a busy
+        machine adds). Returns the sentence."""
+        program = self.programs[name]
+        left = max(0.01, self.since + within + BUSY - time.monotonic())
+        got = program.wait(left)
+        took = time.monotonic() - self.since
+        if got != code or says not in program.said():
+            raise AssertionError(f"{name} ended with {got} after {took:.1f} s and should have ended "
+                                 f"with {code} within {within} s, saying '{says}'\n{self.report()}")
+        sentence = program.sentence(says) if says else ""
+        if row:
+            record(row, who=name, code=code, seconds=took,
+                   sentence=sentence.replace(str(self.path), "DIR"))
+        return sentence
+
+    def expect_output_whole(self, least_fields=1):
+        """Every file that a reader might open is whole. Returns the number of field outputs."""
+        import h5py
+        fields = []
+        for name in ("sph", "fem"):
+            with h5py.File(self.out / f"{name}.vtkhdf", "r") as file:
+                steps = file["VTKHDF/Steps"].attrs["NSteps"]
+                assert len(file["VTKHDF/Steps/Values"]) >= steps, f"{name}: fewer times than steps"
+                rows = len(file["VTKHDF/Points"])
+                assert rows > 0 and abs(file["VTKHDF/Points"][rows - 1]).max() < 1, name
+                for data in file["VTKHDF/PointData"].values():
+                    assert len(data) == rows, f"{name}: {data.name} has {len(data)} rows of {rows}"
+                    data[()]
+                fields.append(int(steps))
+        assert min(fields) >= least_fields, f"only {fields} field outputs"
+        for path in self.out.glob("*.csv"):
+            check_csv(path)
+        for path in self.out.glob("*.json"):
+            json.loads(path.read_text())
+        return fields
+
+
+def check_csv(path):
+    """Every row is whole: as many numbers as the header names, and a line's end."""
+    text = path.read_text()
+    assert text.endswith("\n"), f"{path.name} ends within a row: ...{text[-60:]!r}"
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    for line in lines[1:]:
+        values = line.split(",")
+        assert len(values) == len(lines[0].split(",")), f"{path.name}: torn row {line!r}"
+        for value in values:
+            float(value)
+
+
+class Case(unittest.TestCase):
+    longMessage = True
