@@ -397,7 +397,9 @@ class Participant:
         if message["m"] == ERROR:
             self._ended = True
             self.close()
-            raise PeerError(message["code"], f"{message['who'] or 'coupler'}: {message['text']}")
+            who, text = message["who"] or "coupler", message["text"]
+            named = text.startswith((who + " ", who + ": "))
+            raise PeerError(message["code"], text if named else f"{who}: {text}")
         if self.session and message["s"] != self.session:
             self._fail("E_SEQUENCE", f"a message of session {message['s']} came")
         if message["m"] == PROGRESS and self.session:

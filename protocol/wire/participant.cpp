@@ -141,8 +141,9 @@ struct Participant::Impl {
         if (error.who == options.name) {
             throw PeerError(error.code, "the coupler refuses: " + error.text);
         }
-        throw PeerError(error.code,
-                        (error.who.empty() ? "coupler" : error.who) + ": " + error.text);
+        const std::string who = error.who.empty() ? "coupler" : error.who;
+        const bool named = error.text.starts_with(who + " ") || error.text.starts_with(who + ": ");
+        throw PeerError(error.code, named ? error.text : who + ": " + error.text);
     }
 
     /// The connection is gone. The coupler may have said why before it left.

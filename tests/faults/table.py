@@ -44,7 +44,7 @@ def main():
             if entry["text"]:
                 lines.append(f"| {row} | {place} | all | | | {entry['text']} |")
                 continue
-            sentence = entry["sentence"].replace("|", "\\|") or "(none: the run goes on to its end)"
+            sentence = entry["sentence"].replace("|", "\\|") or ("(the run goes on to its end)" if entry["code"] == 0 else "")
             lines.append(f"| {row} | {place} | {entry['who']} | {entry['code']} | "
                          f"{entry['seconds']:.2f} s | {sentence} |")
     page = PAGE.read_text(encoding="ascii").split(MARK)[0]

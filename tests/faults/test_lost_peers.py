@@ -56,7 +56,7 @@ class LostPeers(Case):
             scene.expect("fem", 3, "sph has been silent for 2 s in step", within=3, row=3)
             scene["sph"].signal(signal.SIGCONT)
             scene.now()
-            scene.expect("sph", 3, row=3)
+            scene.expect("sph", 3, "E_", row=3)
             scene.expect_output_whole(20)
 
     def test_a_hang_in_the_programs_own_code(self):
