@@ -192,7 +192,7 @@ def parser():
     sub = commands.add_parser("run", parents=[layered], help="run a case and report")
     sub.add_argument("--out", metavar="DIR", help="where the results go (default: results/NAME)")
     sub.add_argument("--quiet", action="store_true", help="no live line")
-    sub.add_argument("--fem", metavar="PROGRAM", help="a program that stands in for fem_solver")
+    sub.add_argument("--fem", "--backend", metavar="PROGRAM", help="a program that stands in for fem_solver")
     sub.add_argument("--force", action="store_true", help="replace earlier results instead of moving them aside")
     sub.set_defaults(do=run)
 
