@@ -14,6 +14,7 @@
     poisson_ratio = 0.32         # of a wide beam, which cannot bend across: E/(1 - nu^2); 0: narrow
     damping_ratio = 0.0          # of critical, in the first mode (stiffness-proportional)
     largest_step = 0             # [s] 0: a fifth of 1/omega of the first mode
+    probe = [1.61, 0.075, 0.3]   # [m] whose displacement is recorded; default: middle of the far end
     surface = "wall"             # name of the coupled surface
 
 Equations: rho A w'' + (E I w_xx)_xx = p, cubic elements with consistent mass; all modes of that system.
@@ -66,7 +67,7 @@ def modes_of(n_elements, length, ends, bending, line_mass):
 
 class Beam:
     limiter = "first mode of the beam"
-    columns = "tip displacement [m]", "middle displacement [m]", "largest displacement [m]", "force [N]"
+    columns = "probe displacement [m]", "largest displacement [m]", "force [N]"
 
     def __init__(self, table):
         origin, span, width = (table.numbers(key, 3) for key in ("origin", "span", "width"))
@@ -107,7 +108,10 @@ class Beam:
         self.q = np.zeros((len(self.omega), len(self.carried)))         # modal amplitudes at t
         self.q_dot = np.zeros_like(self.q)                              # at t - dt/2
         self.last_dt, self.books = 0.0, Energies()
-        self.shown, self.peak, self.force_max, self.impulse = (0.0,) * 4, np.zeros(3), 0.0, 0.0
+        probe = table.numbers("probe", 3, list(origin + span + 0.5 * width))
+        nearest = np.linalg.norm(self.x0 - probe, axis=1).argmin()
+        self.probe = divmod(int(nearest), self.n_across + 1)
+        self.shown, self.peak, self.force_max, self.impulse = (0.0,) * 3, np.zeros(2), 0.0, 0.0
         self.description = f"{len(self.carried)} beams, first mode {self.omega[0] / 2 / np.pi:.4g} Hz"
 
     def stable_step(self, _contact_share):
@@ -119,8 +123,9 @@ class Beam:
             push = push.sum(axis=1, keepdims=True)
         w = self.shapes @ self.q                                                # [m] of each node
         total = float(push.sum())
-        self.shown = self.at(w, -1), self.at(w, len(w) // 2), w.flat[np.abs(w).argmax()], total
-        self.peak = np.maximum(self.peak, np.abs(self.shown[:3]))
+        row, line = self.probe
+        self.shown = w[row, line if len(self.carried) > 1 else 0], w.flat[np.abs(w).argmax()], total
+        self.peak = np.maximum(self.peak, np.abs(self.shown[:2]))
         self.force_max, self.impulse = max(self.force_max, abs(total)), self.impulse + total * dt
 
         load = self.shapes.T @ (push / self.carried)            # [N/m of width] on each mode
@@ -137,10 +142,6 @@ class Beam:
         self.last_dt = dt
         if not np.isfinite(self.q).all():
             raise ArithmeticError(f"the beam's displacement is no number after a force of {total} N")
-
-    @staticmethod
-    def at(w, row):
-        return float(w[row].mean())
 
     def spread(self, amplitudes):
         """(N,3) of the face's nodes."""
@@ -161,8 +162,7 @@ class Beam:
 
     def summary(self):
         return {"first_frequency": self.omega[0] / 2 / np.pi, "beams": len(self.carried),
-                "tip_displacement_max": self.peak[0], "middle_displacement_max": self.peak[1],
-                "max_displacement": self.peak[2], "force_max": self.force_max,
+                "probe_displacement_max": self.peak[0], "max_displacement": self.peak[1], "force_max": self.force_max,
                 "impulse": self.impulse}
 
 
