@@ -24,6 +24,22 @@ std::vector<std::string> names_of(const std::vector<Fluid>& fluids) {
     return names;
 }
 
+/// Iterations of the implicit viscosity, and a warning where they did not get there.
+void add_viscosity_figures(const ImplicitViscosity& viscosity, Summary& s) {
+    const ImplicitFigures& i = viscosity.figures();
+    s.set("sph.viscosity.iterations_mean", i.steps ? double(i.iterations) / double(i.steps) : 0);
+    s.set("sph.viscosity.iterations_most", static_cast<std::int64_t>(i.most_iterations));
+    s.set("sph.viscosity.steps_not_converged", i.not_converged);
+    s.set("sph.viscosity.worst_residual_over_tolerance", i.worst_residual);
+    if (i.not_converged == 0) return;
+    log_warning(fmt::format(
+        "the implicit viscosity did not get to sph.viscosity_tolerance within {} iterations in {} of "
+        "{} steps; at worst {:.3g} times the tolerance was left and carried into the next step. A "
+        "lower max_viscosity or a smaller time.max_step makes it converge, a larger tolerance admits "
+        "what is left",
+        viscosity.most_iterations(), i.not_converged, i.steps, i.worst_residual));
+}
+
 }  // namespace
 
 Recorder::Recorder(const Case& input, const std::string& folder, bool alone)
@@ -191,13 +207,7 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.max_speed", f.max_speed);
     s.set("sph.max_mach", f.max_speed / c0);
     add_density_advice(f.max_compression, c0, s);
-    if (fluid.implicit_viscosity()) {
-        const ImplicitFigures& i = fluid.implicit_viscosity()->figures();
-        s.set("sph.viscosity.iterations_mean", i.steps ? double(i.iterations) / double(i.steps) : 0);
-        s.set("sph.viscosity.iterations_most", static_cast<std::int64_t>(i.most_iterations));
-        s.set("sph.viscosity.steps_not_converged", i.not_converged);
-        s.set("sph.viscosity.worst_residual_over_tolerance", i.worst_residual);
-    }
+    if (fluid.implicit_viscosity()) add_viscosity_figures(*fluid.implicit_viscosity(), s);
     add_budget(names_, fluid, s);
     add_model_share(fluid.mirror(), s);
     for (std::size_t wall = 0; wall < largest_force_.size(); ++wall) {

@@ -114,7 +114,7 @@ int run(const Case& input, const SolverOptions& options) {
                                      : ", the largest that does not shorten the step"));
 
     if (fluid.implicit_viscosity())
-        log_info(fmt::format("viscous forces: implicit, {:.2g} of the mean acceleration left",
+        log_info(fmt::format("viscous forces: implicit, velocities to {:.2g} of their change in a step",
                              input.sph.viscosity_tolerance));
     if (input.sph.lattice == FillLattice::relaxed)
         log_info(fmt::format("relaxed start: {} iterations, unevenness {:.3g} -> {:.3g}",

@@ -189,7 +189,7 @@ struct SphSettings {
     double density_diffusion = 0.1;      // delta of delta-SPH
     double artificial_viscosity = 0.02;  // alpha of Monaghan's term
     ViscositySolver viscosity_solver = ViscositySolver::automatic;   // "auto", "explicit", "implicit"
-    double viscosity_tolerance = 1e-3;   // implicit: unbalanced acceleration over the mean one
+    double viscosity_tolerance = 1e-3;   // implicit: unbalanced over the change of velocity in a step
     ViscousForm viscous_form = ViscousForm::laplacian;   // "laplacian": div(mu grad v), "strain":
                                          // div(2 mu D), which lets a body turn and a free surface slip;
                                          // explicit viscous steps are half as long

@@ -24,43 +24,46 @@ double ImplicitViscosity::sum_over_particles(int n, Body&& body) {
 
 void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& neighbors,
                               const MirrorPlanes& mirror, const NoSlipImages& no_slip,
-                              const Bodies& bodies, double kick, const Vec3& g, std::size_t identities,
-                              Particles& particles) {
+                              const Bodies& bodies, double kick, const Vec3& g,
+                              std::size_t identities, Particles& particles) {
     Particles& s = particles;
     const int n = static_cast<int>(s.size());
     if (n == 0 || !(kick > 0)) return;
     operator_.prepare(physics, neighbors, mirror, no_slip, bodies, s);
-    before_.resize(3 * identities, 0.0f);
+    before_.resize(identities);
     for (Field3* f : {&guess_, &change_, &residual_, &direction_, &image_}) f->resize(n);
     const float* m = operator_.mass().data();
 
     // what the velocity would be with the acceleration of the step before
-    double weight = 0, drive = 0;
-    weight = sum_over_particles(n, [&](int i) {
-        const float* a = &before_[3 * s.id[i]];
-        guess_.x[i] = float(s.vx[i] + kick * a[0]);
-        guess_.y[i] = float(s.vy[i] + kick * a[1]);
-        guess_.z[i] = float(s.vz[i] + kick * a[2]);
+    const double weight = sum_over_particles(n, [&](int i) {
+        const Before& b = before_[s.id[i]];
+        guess_.x[i] = float(s.vx[i] + kick * b.a[0]);
+        guess_.y[i] = float(s.vy[i] + kick * b.a[1]);
+        guess_.z[i] = float(s.vz[i] + kick * b.a[2]);
         return double(m[i]);
     });
-    operator_.apply(guess_, ViscousOperator::Walls::moving, 0, kick, image_);
+    const double rubbed = operator_.rub(guess_, kick, image_);
     operator_.diagonal(kick, diagonal_);
-    // r = m (u* - u) - k K u
-    drive = sum_over_particles(n, [&](int i) {
-        const float* a = &before_[3 * s.id[i]];
+    // r = m (u* + left - u) - k K u
+    const double drive = sum_over_particles(n, [&](int i) {
+        const Before& b = before_[s.id[i]];
         const double ax = s.ax[i] + s.fx[i] + g[0], ay = s.ay[i] + s.fy[i] + g[1],
                      az = s.az[i] + s.fz[i] + g[2];
-        residual_.x[i] = float(m[i] * kick * (ax - a[0])) - image_.x[i];
-        residual_.y[i] = float(m[i] * kick * (ay - a[1])) - image_.y[i];
-        residual_.z[i] = float(m[i] * kick * (az - a[2])) - image_.z[i];
+        const double x = s.vx[i] - guess_.x[i] + b.left[0] + kick * ax,
+                     y = s.vy[i] - guess_.y[i] + b.left[1] + kick * ay,
+                     z = s.vz[i] - guess_.z[i] + b.left[2] + kick * az;
+        residual_.x[i] = float(m[i] * x) - image_.x[i];
+        residual_.y[i] = float(m[i] * y) - image_.y[i];
+        residual_.z[i] = float(m[i] * z) - image_.z[i];
         change_.x[i] = change_.y[i] = change_.z[i] = 0;
         return m[i] * std::max(ax * ax + ay * ay + az * az,
-                               double(a[0]) * a[0] + double(a[1]) * a[1] + double(a[2]) * a[2]);
+                               double(b.a[0]) * b.a[0] + double(b.a[1]) * b.a[1] +
+                                   double(b.a[2]) * b.a[2]);
     });
     // fluid in equilibrium under its own weight has next to no drive: then its weight is the
     // measure
     const double g2 = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-    const double scale2 = kick * kick * std::max(drive, 1e-4 * g2 * weight);
+    const double scale2 = kick * kick * std::max(drive, 1e-4 * g2 * weight) + rubbed;
 
     double rz = 0;
     const auto precondition = [&](int i) {
@@ -78,12 +81,12 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
         });
     };
     double left2 = unbalanced();
-    // a start that the viscosity alone drives is measured by itself
-    const double enough2 = tolerance_ * tolerance_ * std::max(scale2, left2);
+    const double enough2 =
+        std::max(tolerance_ * tolerance_ * scale2, float_digits * float_digits * left2);
     rz = sum_over_particles(n, precondition);
     int iteration = 0;
     double beta = 0;
-    while (left2 > enough2 && iteration < most_iterations) {
+    while (left2 > enough2 && iteration < most_iterations_) {
         ++iteration;
 #pragma omp parallel for schedule(static)
         for (int i = 0; i < n; ++i) {
@@ -114,14 +117,16 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
     }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {
-        float* a = &before_[3 * s.id[i]];
+        Before& b = before_[s.id[i]];
         const double per = 1 / kick;
-        a[0] += float(per * (change_.x[i] + residual_.x[i] / m[i]));
-        a[1] += float(per * (change_.y[i] + residual_.y[i] / m[i]));
-        a[2] += float(per * (change_.z[i] + residual_.z[i] / m[i]));
-        s.ax.set(i, a[0] - s.fx[i] - g[0]);
-        s.ay.set(i, a[1] - s.fy[i] - g[1]);
-        s.az.set(i, a[2] - s.fz[i] - g[2]);
+        const double x = per * (double(guess_.x[i]) + change_.x[i] - s.vx[i]),
+                     y = per * (double(guess_.y[i]) + change_.y[i] - s.vy[i]),
+                     z = per * (double(guess_.z[i]) + change_.z[i] - s.vz[i]);
+        b = {{float(x), float(y), float(z)},
+             {residual_.x[i] / m[i], residual_.y[i] / m[i], residual_.z[i] / m[i]}};
+        s.ax.set(i, x - s.fx[i] - g[0]);
+        s.ay.set(i, y - s.fy[i] - g[1]);
+        s.az.set(i, z - s.fz[i] - g[2]);
     }
 }
 

@@ -3,10 +3,17 @@
 // however large the viscosity is.
 //   m_i (u_i - u_i*)/k + (K u)_i = 0,   u* = v^{n-1/2} + k (a + f + g),  k = (dt^{n-1} + dt^n)/2
 // with K of viscous_operator.hpp, by conjugate gradients with the diagonal as preconditioner,
-// started from the velocity change of the step before. It ends when the force that is not balanced,
-// as an acceleration r/(m k), is `tolerance` of the mean acceleration in the rms over all
-// particles. What is left is not thrown away: v = u + r/m is v = u* - k K u/m, the explicit formula
-// with the stress of u, so that momentum is conserved to round-off whatever the tolerance.
+// started from the velocity and its change in the step before. It ends when what is not balanced,
+// as a velocity r/m, is `tolerance` in the rms over all particles of
+//   sqrt[(k a)^2 + D/m],   a the mean acceleration, D = k u.K u what friction dissipates in a step,
+// which for mu alone is gd sqrt(k mu/rho), the shear rate times the way momentum diffuses in a step.
+//
+// What is left is carried into the next step, r/m is added to its u*: momentum is conserved but for
+// what is on its way, which never adds up. It does not move the particles. Put into their velocities
+// (v = u + r/m, the explicit formula with the stress of u) it is a rough motion: K magnifies it k
+// lambda times, a yield-stress fluid takes it for a shear rate and yields, and a tolerance measured
+// by a start that contains it allows the next step to leave more. In u it is r/(k lambda m), and a
+// tolerance measured by D, which grows as sqrt(k lambda), allows ever less: it cannot feed itself.
 
 #include <vector>
 
@@ -18,13 +25,14 @@ namespace undertow::sph {
 struct ImplicitFigures {
     std::int64_t steps = 0, iterations = 0;
     int most_iterations = 0;
-    std::int64_t not_converged = 0;  // steps that reached the limit of iterations
+    std::int64_t not_converged = 0;  // steps that reached the limit of iterations: warned of
     double worst_residual = 0;       // of those: over the tolerance
 };
 
 class ImplicitViscosity {
  public:
-    explicit ImplicitViscosity(double tolerance) : tolerance_(tolerance) {}
+    explicit ImplicitViscosity(double tolerance, int most_iterations = 300)
+        : tolerance_(tolerance), most_iterations_(most_iterations) {}
 
     /// Adds the viscous acceleration to particles.ax, ay, az (pressure forces without it). kick: k
     /// [s]. Records must show v^{n-1/2}. particles: to be counted by identities below `identities`.
@@ -33,16 +41,25 @@ class ImplicitViscosity {
                double kick, const Vec3& gravity, std::size_t identities, Particles& particles);
 
     const ImplicitFigures& figures() const { return figures_; }
+    int most_iterations() const { return most_iterations_; }
+
+    /// What the last step left of a particle, by identity: r/m [m/s], [3].
+    const float* left(std::int64_t id) const { return before_[id].left; }
 
  private:
-    static constexpr int most_iterations = 300;  // float32 stalls before more of them help
+    static constexpr double float_digits = 1e-6;  // of a residual: float32 knows no more of it
 
     template <class Body>
     double sum_over_particles(int n, Body&& body);
 
     double tolerance_;
+    int most_iterations_;
     ViscousOperator operator_;
-    std::vector<float> before_;  // acceleration of the step before [m/s2], [identities][3]
+    struct Before {                 // of the step before
+        float a[3] = {0, 0, 0};     // its acceleration [m/s2]
+        float left[3] = {0, 0, 0};  // r/m [m/s]
+    };
+    std::vector<Before> before_;  // [identities]
     Field3 guess_, change_, residual_, direction_, image_;
     std::vector<float> diagonal_;
     std::vector<double> part_;

@@ -51,6 +51,7 @@ float8 weight(const Target& i, const Packed& j, float8 r2, float inverse_h) {
 
 struct Sum {
     float8 x{}, y{}, z{};
+    float8 rubbed{};  // its product with u_ij
 };
 
 /// What multiplies the part along x_ij [-], [1/unit^2], see strain_weight.hpp
@@ -62,7 +63,7 @@ struct AlongPair {
 };
 
 /// sum_j mu_ij V_j F (u_i - u_j), or with its part along x_ij.
-template <class KernelLaw, ViscousForm form, bool several>
+template <class KernelLaw, ViscousForm form, bool several, bool measured>
 Sum sum_pairs(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* records,
               const int* at, const int* end, float inverse_h, float tiny, AlongPair c) {
     Sum sum;
@@ -74,10 +75,12 @@ Sum sum_pairs(const Target& i, float8 ux, float8 uy, float8 uz, const Packed* re
         const float8 vx = ux - j.vx, vy = uy - j.vy, vz = uz - j.vz;
         if constexpr (form == ViscousForm::laplacian) {
             sum.x += w * vx, sum.y += w * vy, sum.z += w * vz;
+            if constexpr (measured) sum.rubbed += w * (vx * vx + vy * vy + vz * vz);
         } else {
-            const float8 along = w * (vx * dx + vy * dy + vz * dz) *
-                                 positive_part(c.near * reciprocal(r2) + c.far);
+            const float8 approach = vx * dx + vy * dy + vz * dz;
+            const float8 along = w * approach * positive_part(c.near * reciprocal(r2) + c.far);
             sum.x += along * dx, sum.y += along * dy, sum.z += along * dz;
+            if constexpr (measured) sum.rubbed += along * approach;
         }
     }
     return sum;
@@ -211,7 +214,9 @@ double ViscousOperator::over_clusters(Body&& body) {
 }
 
 template <class KernelLaw, ViscousForm form, bool several>
-double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt, Field3& out) {
+double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt, Field3& out,
+                                 Returns returns) {
+    const bool measured = returns == Returns::dissipation;
     const int n = neighbors_->fluid_count();
     const double unit = neighbors_->fixed().unit, h = physics_->h / unit;
     const auto inverse_h = static_cast<float>(1 / h), tiny = static_cast<float>(1e-6 * h * h);
@@ -224,9 +229,10 @@ double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt,
         const int first = cluster * lanes;
         const Target i = load_target(records_.data(), first, n, fluids);
         const float8 ux = load(&u.x[first]), uy = load(&u.y[first]), uz = load(&u.z[first]);
-        Sum sum =
-            sum_pairs<KernelLaw, form, several>(i, ux, uy, uz, records_.data(), lists.begin(cluster),
-                                       lists.end(cluster), inverse_h, tiny, along);
+        const auto sum_with = measured ? sum_pairs<KernelLaw, form, several, true>
+                                       : sum_pairs<KernelLaw, form, several, false>;
+        Sum sum = sum_with(i, ux, uy, uz, records_.data(), lists.begin(cluster), lists.end(cluster),
+                           inverse_h, tiny, along);
         if constexpr (form == ViscousForm::strain)
             if (!no_slip_->empty())
                 turn_no_slip<KernelLaw, several>(i, ux, uy, uz, records_.data(), *no_slip_, cluster,
@@ -234,7 +240,7 @@ double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt,
         const float8 m = of_mass * load(&mass_[first]), v = to_force * i.volume;
         const float8 x = m * ux + v * sum.x, y = m * uy + v * sum.y, z = m * uz + v * sum.z;
         store(&out.x[first], x), store(&out.y[first], y), store(&out.z[first], z);
-        const float8 product = ux * x + uy * y + uz * z;
+        const float8 product = measured ? 0.5f * v * sum.rubbed : ux * x + uy * y + uz * z;
         double dot = 0;
         for (int k = 0; k < std::min(lanes, n - first); ++k) dot += product[k];
         return dot;
@@ -244,15 +250,25 @@ double ViscousOperator::apply_as(const Field3& u, double mass_factor, double dt,
 double ViscousOperator::apply(const Field3& u, Walls walls, double mass_factor, double dt,
                               Field3& out) {
     pack(u, walls);
+    return apply(u, mass_factor, dt, out, Returns::product);
+}
+
+double ViscousOperator::rub(const Field3& u, double dt, Field3& out) {
+    pack(u, Walls::moving);
+    return apply(u, 0, dt, out, Returns::dissipation);
+}
+
+double ViscousOperator::apply(const Field3& u, double mass_factor, double dt, Field3& out,
+                              Returns returns) {
     const bool strain = physics_->viscous_form == ViscousForm::strain;
     return with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& kernel) {
         using Law = std::decay_t<decltype(kernel)>;
         constexpr auto strain_form = ViscousForm::strain, laplacian = ViscousForm::laplacian;
         if (physics_->fluids.size() > 1)
-            return strain ? apply_as<Law, strain_form, true>(u, mass_factor, dt, out)
-                          : apply_as<Law, laplacian, true>(u, mass_factor, dt, out);
-        return strain ? apply_as<Law, strain_form, false>(u, mass_factor, dt, out)
-                      : apply_as<Law, laplacian, false>(u, mass_factor, dt, out);
+            return strain ? apply_as<Law, strain_form, true>(u, mass_factor, dt, out, returns)
+                          : apply_as<Law, laplacian, true>(u, mass_factor, dt, out, returns);
+        return strain ? apply_as<Law, strain_form, false>(u, mass_factor, dt, out, returns)
+                      : apply_as<Law, laplacian, false>(u, mass_factor, dt, out, returns);
     });
 }
 

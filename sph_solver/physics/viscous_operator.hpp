@@ -38,9 +38,11 @@ class ViscousOperator {
                  const Particles& particles);
 
     enum class Walls { moving, still };  // with their velocities; or the linear part alone
-
     /// out = mass_factor M u + dt K u  [kg m/s per m^(3-d)]. Returns u . out.
     double apply(const Field3& u, Walls walls, double mass_factor, double dt, Field3& out);
+    /// out = dt K u, with moving walls. Returns what friction dissipates in dt, dt sum_ij
+    /// w_ij |u_i - u_j|^2/2 [J per m^(3-d)], an image counted by half.
+    double rub(const Field3& u, double dt, Field3& out);
     /// out[i] = M_i + dt sum_j w_ij c, c = 1 (laplacian) or s r^2/d (strain): near the diagonal.
     void diagonal(double dt, std::vector<float>& out);
 
@@ -48,8 +50,10 @@ class ViscousOperator {
 
  private:
     void pack(const Field3& u, Walls walls);
+    enum class Returns { product, dissipation };
     template <class KernelLaw, ViscousForm form, bool several>
-    double apply_as(const Field3& u, double mass_factor, double dt, Field3& out);
+    double apply_as(const Field3& u, double mass_factor, double dt, Field3& out, Returns returns);
+    double apply(const Field3& u, double mass_factor, double dt, Field3& out, Returns returns);
     template <class Body>
     double over_clusters(Body&& body);
 
