@@ -8,6 +8,7 @@ from pathlib import Path
 
 from . import case as cases
 from .errors import CHECKS_FAILED, DONE, INPUT, INTERRUPTED, RunFailed, UserError
+from .pareto.command import add_command as add_pareto
 from .paths import RESULTS, newest_results, shown
 from .verify.command import add_command as add_verify
 
@@ -216,6 +217,7 @@ def parser():
     sub.set_defaults(do=movie)
 
     add_verify(commands, positive)
+    add_pareto(commands, positive)
     return top
 
 

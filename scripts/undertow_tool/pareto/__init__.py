@@ -1,0 +1,1 @@
+"""undertow pareto: error against cost over modelling choices of one case."""
