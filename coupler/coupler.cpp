@@ -7,8 +7,8 @@
 #include "contact/boxes.hpp"
 #include "results/log.hpp"
 #include "results/stop_signal.hpp"
+#include "results/summary.hpp"
 #include "wire/errors.hpp"
-#include "wire/failure.hpp"
 
 namespace undertow::coupler {
 
@@ -50,7 +50,9 @@ int Coupler::run() {
     try {
         return run_loop();
     } catch (const std::exception& error) {
-        participants_.broadcast(failure_of(error).code, error.what());
+        const Failure failure = failure_of(error);
+        participants_.broadcast(failure.code, error.what());
+        write_failure(failure);
         throw;
     }
 }
@@ -211,6 +213,24 @@ int Coupler::finish(const std::string& reason) {
     log_info(reason + " at t = " + std::to_string(t_) + " s after " +
              std::to_string(figures_->steps()) + " steps");
     return reason == "done" ? exit_done : exit_interrupted;
+}
+
+/// What the summary of a run that failed can say: why, and how far it came.
+void Coupler::write_failure(const Failure& failure) const noexcept {
+    try {
+        Summary summary;
+        summary.set("finish", failure.exit == exit_interrupted ? "interrupted" : "failed");
+        summary.set("interrupted", failure.exit == exit_interrupted);
+        summary.set("cause", failure.text);
+        summary.set("exit_code", std::int64_t(failure.exit));
+        summary.set("step", n_);
+        summary.set("t", t_);
+        summary.set("steps", figures_ ? figures_->steps() : 0);
+        summary.set("wall_s", figures_ ? figures_->wall() : 0.0);
+        summary.write(options_.folder + "/summary.coupler.json");
+    } catch (const std::exception& error) {
+        log_error(std::string("no summary.coupler.json: ") + error.what());
+    }
 }
 
 }  // namespace undertow::coupler

@@ -14,6 +14,7 @@
 #include "coupler/recorder.hpp"
 #include "coupler/run_figures.hpp"
 #include "coupler/search_budget.hpp"
+#include "wire/failure.hpp"
 
 namespace undertow::coupler {
 
@@ -44,6 +45,7 @@ class Coupler {
     void send_forces(const AgreedStep& step);
     void record(const AgreedStep& step);
     int finish(const std::string& reason);
+    void write_failure(const Failure& failure) const noexcept;
 
     Case input_;
     CouplerOptions options_;

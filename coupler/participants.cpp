@@ -1,16 +1,13 @@
 #include "coupler/participants.hpp"
 
 #include <chrono>
-#include <thread>
 #include <utility>
+
+#include "results/stop_signal.hpp"
 
 namespace undertow::coupler {
 
 namespace {
-
-// libzmq drops what a connecting socket with ZMQ_IMMEDIATE has not read yet when the other end
-// hangs up: on a busy machine a participant would learn that the coupler vanished, but not why.
-constexpr auto time_to_read = std::chrono::milliseconds(300);
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -23,6 +20,7 @@ wire::HostOptions options_for(const std::string& endpoint, const Case& input) {
     options.join_timeout = input.coupling.join_timeout;
     options.deadline = input.coupling.deadline;
     options.shared_memory = input.coupling.transport == "shm";
+    options.stop = stop_requested;
     options.welcome.t_end = input.time.end;
     options.welcome.contact_share = input.coupling.beta + 2 * input.coupling.damping;
     return options;
@@ -124,7 +122,6 @@ void Participants::finish(std::int64_t n, const std::string& reason) {
 
 void Participants::broadcast(const std::string& code, const std::string& text) noexcept {
     host_.broadcast_error(code, text, "coupler");
-    std::this_thread::sleep_for(time_to_read);
 }
 
 }  // namespace undertow::coupler

@@ -28,10 +28,9 @@ class RunFigures {
                const contact::PenaltyContact& contact, std::int64_t late_searches) const;
 
     std::int64_t steps() const { return steps_; }
-
- private:
     double wall() const;  // [s] since the first step
 
+ private:
     double start_;  // [s] wall clock
     std::int64_t steps_ = 0, searches_ = 0, outputs_ = 0;
     double dt_min_ = 0, dt_max_ = 0, dt_sum_ = 0;  // [s]

@@ -6,6 +6,7 @@
 
 #include "case/time_step.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
+#include "results/stop_signal.hpp"
 #include "wire/errors.hpp"
 #include "wire/participant.hpp"
 
@@ -62,7 +63,8 @@ class Coupled final : public Link {
                         .role = "surface",
                         .capabilities = {},
                         .software = "undertow fem_solver " UNDERTOW_VERSION,
-                        .join_timeout = c.coupling.join_timeout}) {
+                        .join_timeout = c.coupling.join_timeout,
+                        .stop = stop_requested}) {
         if (c.fem.surface.empty())
             throw InputError(c.file + ": a coupled run needs at least one [[fem.surface]].");
         const double share = participant_.welcome().contact_share;

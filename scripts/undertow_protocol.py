@@ -218,12 +218,15 @@ class Reply:
 class Participant:
     """HELLO on construction; then announce(), the steps, say_goodbye(). Every wait has an end."""
 
-    def __init__(self, endpoint, name, role, software="", capabilities=(), join_timeout=60):
+    def __init__(self, endpoint, name, role, software="", capabilities=(), join_timeout=60,
+                 stop=lambda: False):
+        """stop: asked until the first step; true ends the run with E_STOP (the user's Ctrl-C)."""
         self.endpoint, self.name, self.role = endpoint, name, role
         self.session, self.n, self.t = 0, 0, None
         self.rows = 0            # of STATE and FORCE: all nodes, or the active particles
         self.waited = 0.0        # [s] in wait_reply()
         self._ended = self._lost = self._active_due = False
+        self._stop = stop
         if not endpoint.startswith(("ipc://", "tcp://127.0.0.1:")):
             raise ValueError(f"endpoint '{endpoint}' is neither ipc://... nor tcp://127.0.0.1:PORT; "
                              "remote endpoints need CURVE keys, which this version does not offer")
@@ -340,6 +343,7 @@ class Participant:
     # ------------------------------------------------------------ sending and receiving
 
     def _check_step(self, n, t):
+        self._stop = lambda: False      # from here on flag 1 of STATE says so
         if n != self.n or t != self.t:
             raise ValueError(f"step {n} at {t!r} s is not the agreed one: {self.n} at {self.t!r} s")
 
@@ -384,6 +388,8 @@ class Participant:
                                                  f"{patience:g} s; start it with this endpoint")
                 self._fail("E_TIMEOUT", f"the coupler at {self.endpoint} was silent for "
                                         f"{patience:g} s")
+            if self._stop():
+                self._fail("E_STOP", f"the user stopped {self.name} before its first step")
             start = time.monotonic()
             self._poller.poll(1000 * min(1.0, patience - silence) + 1)
             # While this process was stopped (Ctrl-Z) nobody could be heard.

@@ -53,7 +53,8 @@ class CoupledLink : public Link {
                         .role = "particles",
                         .capabilities = {},
                         .software = "undertow sph_solver " UNDERTOW_VERSION,
-                        .join_timeout = input.coupling.join_timeout}),
+                        .join_timeout = input.coupling.join_timeout,
+                        .stop = stop_requested}),
           flat_(input.info.dimension == 2),
           middle_(flat_ ? 0.5 * input.info.thickness : 0) {
         wire::Mesh mesh;

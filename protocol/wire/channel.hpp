@@ -73,7 +73,10 @@ class Channel {
     bool is_open(int connection) const;
     bool any_broken() const { return !broken_.empty(); }
     /// A solver: the coupler's socket has answered at least once.
-    bool ever_connected() const { return connected_; }
+    bool ever_connected() {
+        drain_monitor();
+        return connected_;
+    }
 
     std::uint64_t bytes_sent() const { return bytes_sent_; }
     std::uint64_t bytes_received() const { return bytes_received_; }

@@ -7,7 +7,8 @@ namespace undertow {
 Failure failure_of(const std::exception& error) {
     const std::string text = error.what();
     if (const auto* peer = dynamic_cast<const PeerError*>(&error))
-        return {exit_peer, peer->code, peer->code + ": " + text};
+        return {peer->code == "E_STOP" ? exit_interrupted : exit_peer, peer->code,
+                peer->code + ": " + text};
     if (dynamic_cast<const StepCollapse*>(&error)) return {exit_physics, "E_DT", text};
     if (dynamic_cast<const PhysicsError*>(&error)) return {exit_physics, "E_PHYSICS", text};
     if (dynamic_cast<const FileError*>(&error)) return {exit_input, "E_IO", text};

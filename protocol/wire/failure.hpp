@@ -14,7 +14,7 @@ struct Failure {
     std::string text;  // for the log
 };
 
-/// PeerError: 3 and its own code. PhysicsError: 4, E_PHYSICS. InputError: 2, E_INPUT. A
+/// PeerError: 3 and its own code (E_STOP: 130, the user ended the run). PhysicsError: 4, E_PHYSICS. InputError: 2, E_INPUT. A
 /// std::logic_error is a defect of the program: 4, E_STATE. Anything else is the machine's trouble,
 /// such as no memory: 2, E_IO.
 Failure failure_of(const std::exception& error);

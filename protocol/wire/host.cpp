@@ -59,6 +59,7 @@ struct Host::Impl {
     Message stray;  // of someone who is not part of the run
     std::size_t n_seated = 0;
     bool failed = false;
+    bool preparing = true;       // no step yet: a wish to stop ends the run at once
     bool shared_memory = false;  // the data plane is in use
     Frames frames;               // of a message that goes by a segment
     std::vector<Segment::Ring> rings;
@@ -239,6 +240,8 @@ struct Host::Impl {
                 longest = std::min(longest, deadline - seat.silence);
             }
             if (longest <= 0) return false;
+            if (preparing && options.stop && options.stop())
+                fail("E_STOP", "the user stopped the run before its first step", "");
             const double listened = wait(longest);
             waited += listened;
             for (Seat& seat : seats) {
@@ -409,6 +412,7 @@ void Host::wait_join() {
 std::vector<std::vector<Mesh>> Host::wait_meshes() {
     while (!impl_->meshes_complete()) impl_->prepare(impl_->options.deadline);
     impl_->decide_on_shared_memory();
+    impl_->preparing = false;
     std::vector<std::vector<Mesh>> meshes;
     for (Seat& seat : impl_->seats) meshes.push_back(std::move(seat.meshes));
     return meshes;

@@ -29,6 +29,7 @@ struct HostOptions {
     double deadline = 60;  // [s] longest silence of a participant
     Welcome welcome;       // session 0 = draw one; versions filled in; the capabilities are ours
     bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
+    bool (*stop)() = nullptr;   // true once the user wants to end; asked while the run is prepared
 };
 
 struct Received {
@@ -45,7 +46,8 @@ class Host {
     const std::string& endpoint() const;  // as bound: a tcp port 0 is resolved
 
     /// Waits until every expected role has said HELLO and got WELCOME. A wrong version, a taken
-    /// name or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing.
+    /// name or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing,
+    /// and E_STOP when the user stops the run, here or in wait_meshes().
     void wait_join();
 
     /// Waits for the meshes and answers MESH_ACK; result per participant. Particles announce one

@@ -46,6 +46,7 @@ struct Participant::Impl {
     std::unique_ptr<Segment> segment;  // the data plane, if both sides have it
     bool by_segment = false;           // the last message went by it, and the answer may come by it
     double waited = 0;   // [s]
+    bool preparing = true;  // no step yet: a wish to stop ends the run at once
     bool ended = false;  // one of the two sides has reported an error, or BYE has been said
 
     // ---------------------------------------------------------------- sending
@@ -59,6 +60,7 @@ struct Participant::Impl {
                                    error.what());
         }
         const MessageType type = type_of(message);
+        if (type == MessageType::state || type == MessageType::probe) preparing = false;
         if (post_by_segment(message)) return;
         switch (channel.send(std::move(message), {}, patience())) {
             case Sent::yes:
@@ -104,6 +106,8 @@ struct Participant::Impl {
                 fail("E_TIMEOUT", "the coupler at " + options.endpoint + " sent no " + what +
                                       " within " + number_text(seconds, 3) + " s");
             }
+            if (preparing && options.stop && options.stop())
+                fail("E_STOP", "the user stopped " + options.name + " before its first step");
             silence += wait(seconds - silence, ring);
         }
     }
@@ -174,6 +178,7 @@ struct Participant::Impl {
 
     void report(const std::string& code, const std::string& text) noexcept {
         if (std::exchange(ended, true)) return;
+        if (!channel.ever_connected()) return;  // nobody to tell
         try {
             channel.linger(error_linger);
             channel.send(

@@ -30,6 +30,7 @@ struct ParticipantOptions {
     std::string software;
     double join_timeout = 60;  // [s] how long the coupler may take to appear and answer
     bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
+    bool (*stop)() = nullptr;   // true once the user wants to end; asked until the first step
 };
 
 /// What came back for a step. Exactly one of force, checkpoint and finish is set.
@@ -43,7 +44,8 @@ struct StepReply {
 
 class Participant {
  public:
-    /// Connects and shakes hands. Throws PeerError (E_TIMEOUT, E_VERSION, E_NAME_TAKEN, ...).
+    /// Connects and shakes hands. Throws PeerError (E_TIMEOUT, E_VERSION, E_NAME_TAKEN, ...); E_STOP
+    /// when the user stops this program before its first step, which the coupler is told.
     explicit Participant(const ParticipantOptions& options);
     ~Participant();
     Participant(Participant&&) noexcept;

@@ -267,7 +267,7 @@ def main(name, software, description, make):
         structure = make(table)
         table.end()
         log.info("%s: %d facets, %s", software, len(structure.quad), structure.description)
-        link = Participant(options.coupler, "fem", "surface", software)
+        link = Participant(options.coupler, "fem", "surface", software, stop=lambda: bool(stop))
         summary = take_steps(structure, link, out, history_every, stop, software)
         aside = out / "summary.fem.json.part"
         aside.write_text(json.dumps(summary, indent=2) + "\n", encoding="ascii")
@@ -280,6 +280,6 @@ def main(name, software, description, make):
     except (InputError, ValueError) as error:
         return fail("E_INPUT", error, INPUT)
     except PeerError as error:
-        return fail(error.code, error, PEER)
+        return fail(error.code, error, INTERRUPTED if error.code == "E_STOP" else PEER)
     except ArithmeticError as error:
         return fail("E_PHYSICS", error, PHYSICS)

@@ -55,15 +55,16 @@ def run(arguments):
                 "(OpenMP waits passively)")
 
     outcome = run_programs(case, options, out, threads, arguments.fem, arguments.quiet)
-    if outcome.failed:
-        path, lines = last_words(outcome.failed, out)
-        words = "".join(f"\n    {line}" for line in lines)
-        raise RunFailed(outcome.code, f"{outcome.failed.name} {how_it_ended(outcome.failed)}"
-                        + (f"; the end of {shown(path)}:{words}" if path else " and left no log."))
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": arguments.level,
                "variants": arguments.variants, "set": arguments.set, "ok": outcome.code == DONE,
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "threads": threads,
                **join_summaries(out)}
+    if outcome.failed:
+        write_json(out / "summary.json", summary)
+        path, lines = last_words(outcome.failed, out)
+        words = "".join(f"\n    {line}" for line in lines)
+        raise RunFailed(outcome.code, f"{outcome.failed.name} {how_it_ended(outcome.failed)}"
+                        + (f"; the end of {shown(path)}:{words}" if path else " and left no log."))
     join_energy(out)
     if outcome.code == INTERRUPTED:
         write_json(out / "summary.json", summary)

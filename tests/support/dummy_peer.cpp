@@ -18,6 +18,7 @@
 
 #include "wire/channel.hpp"
 #include "wire/errors.hpp"
+#include "wire/failure.hpp"
 #include "wire/participant.hpp"
 
 using namespace undertow;
@@ -275,7 +276,7 @@ int main(int argc, char** argv) {
         return exit_input;
     } catch (const PeerError& error) {
         say(error.code + ": " + error.what());
-        return exit_peer;
+        return undertow::failure_of(error).exit;
     } catch (const PhysicsError& error) {
         say(error.what());
         return exit_physics;

@@ -20,4 +20,5 @@ TEST_CASE("every kind of error has its exit code and its code on the wire") {
     check(PhysicsError("NaN"), 4, "E_PHYSICS", "NaN");
     check(std::logic_error("a row too short"), 4, "E_STATE", "internal error: a row too short");
     check(std::bad_alloc(), 2, "E_IO", std::bad_alloc().what());
+    CHECK(failure_of(PeerError("E_STOP", "the user")).exit == exit_interrupted);
 }

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
 
@@ -204,6 +205,68 @@ TEST_CASE("a silent solver is given up at the deadline, while the other is told 
     CHECK(now() - start > 0.5);
     CHECK(now() - start < 3);
     CHECK(run.b.n_progress >= 1);
+}
+
+namespace {
+std::atomic<bool> user_stops = false;
+bool stop_flag() {
+    return user_stops;
+}
+}  // namespace
+
+TEST_CASE("a user who stops the run while somebody is still awaited need not wait with it") {
+    TemporaryFolder folder;
+    HostOptions options = host_options(folder.endpoint());
+    options.stop = stop_flag;
+    options.join_timeout = 60;
+    Host host(options);
+    RawPeer early(Channel::End::solver, host.endpoint());
+    early.send(hello_of("early", "particles"));
+    std::thread user([] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        user_stops = true;
+    });
+    const double start = now();
+    std::string code;
+    try {
+        host.wait_join();
+    } catch (const PeerError& error) {
+        code = error.code;
+    }
+    user.join();
+    user_stops = false;
+    CHECK(code == "E_STOP");
+    CHECK(now() - start < 3);  // a wait of the system ends after a second
+    early.expect<Welcome>();
+    CHECK(early.expect<Error>().code == "E_STOP");
+}
+
+TEST_CASE("a participant stopped by its user before the first step ends the run") {
+    TemporaryFolder folder;
+    Host host(host_options(folder.endpoint()));
+    std::string code;
+    std::thread solver([&] {
+        ParticipantOptions options = particle_options(host.endpoint());
+        options.stop = stop_flag;
+        try {
+            Participant link(options);
+            link.announce(particle_mesh());
+            link.wait_surface();  // comes when all have joined
+        } catch (const PeerError& error) {
+            code = error.code;
+        }
+    });
+    std::thread user([] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        user_stops = true;
+    });
+    const double start = now();
+    CHECK_THROWS_WITH(host.wait_join(), Catch::Contains("the user stopped sph"));
+    solver.join();
+    user.join();
+    user_stops = false;
+    CHECK(code == "E_STOP");
+    CHECK(now() - start < 3);
 }
 
 TEST_CASE("PROGRESS restarts the deadline of a slow solver") {
