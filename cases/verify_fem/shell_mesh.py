@@ -7,7 +7,7 @@ class ShellMesh:
 
     def __init__(self):
         self.x, self.index = [], {}
-        self.quads, self.edges = {}, {}
+        self.quads, self.edges, self.points = {}, {}, {}
 
     def node(self, point):
         key = tuple(round(1e7 * c) for c in point)
@@ -28,17 +28,24 @@ class ShellMesh:
         """A set of nodes along a line of edges."""
         self.edges.setdefault(name, []).extend(zip(nodes[:-1], nodes[1:]))
 
+    def point(self, name, node):
+        """A set of one node."""
+        self.points[name] = [(node,)]
+
     def write(self, path):
         """Gmsh 4.1, ASCII: one entity per set. A quad of several sets stands in the file once for each."""
         x = np.array(self.x)
-        sets = [(1, 1, name, cells) for name, cells in self.edges.items()]
+        sets = [(0, 15, name, cells) for name, cells in self.points.items()]
+        sets += [(1, 1, name, cells) for name, cells in self.edges.items()]
         sets += [(2, 3, name, cells) for name, cells in self.quads.items()]
         out = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(sets))]
         out += [f'{dimension} {k + 1} "{name}"' for k, (dimension, _, name, _) in enumerate(sets)]
-        out += ["$EndPhysicalNames", "$Entities", f"0 {len(self.edges)} {len(self.quads)} 0"]
+        out += ["$EndPhysicalNames", "$Entities", f"{len(self.points)} {len(self.edges)} {len(self.quads)} 0"]
         box = " ".join(f"{v:.6g}" for v in (*x.min(axis=0), *x.max(axis=0)))
-        out += [f"{k + 1} {box} 1 {k + 1} 0" for k in range(len(sets))]
-        out += ["$EndEntities", "$Nodes", f"1 {len(x)} 1 {len(x)}", f"2 {len(self.edges) + 1} 0 {len(x)}"]
+        for k, (dimension, _, _, cells) in enumerate(sets):
+            at = " ".join(f"{v:.6g}" for v in x[cells[0][0]]) if dimension == 0 else box
+            out.append(f"{k + 1} {at} 1 {k + 1}" + (" 0" if dimension else ""))
+        out += ["$EndEntities", "$Nodes", f"1 {len(x)} 1 {len(x)}", f"2 {len(self.points) + len(self.edges) + 1} 0 {len(x)}"]
         out += [str(k + 1) for k in range(len(x))]
         out += [" ".join(f"{v:.12g}" for v in point) for point in x]
         total = sum(len(cells) for *_, cells in sets)

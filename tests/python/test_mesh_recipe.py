@@ -42,7 +42,8 @@ class BucketMesh(unittest.TestCase):
 
 class ShellMeshes(unittest.TestCase):
     def test_kept_meshes_are_what_the_recipes_make(self):
-        for case, mesh, sizes in (("scordelis_lo", "roof", (8, 16, 32)), ("i_beam", "i_beam", (20, 40, 80))):
+        for case, mesh, sizes in (("scordelis_lo", "roof", (8, 16, 32)), ("i_beam", "i_beam", (20, 40, 80)),
+                                  ("pinched_cylinder", "cylinder", (8, 16, 32)), ("twisted_beam", "beams", (12, 24, 48))):
             folder = CASES / "verify_fem" / case
             for n in sizes:
                 with tempfile.TemporaryDirectory() as made:
