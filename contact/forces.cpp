@@ -19,21 +19,21 @@ constexpr double one_share = 1099511627776.0;
 }  // namespace
 
 void ForceLaw::renumber(std::span<const std::int64_t> old_row) {
-    next_.assign(old_row.size(), {});
+    next_.assign(old_row.size(), 0);
     in_contact_.clear();
     for (std::size_t i = 0; i < old_row.size(); ++i) {
         if (old_row[i] < 0 || std::size_t(old_row[i]) >= memory_.size()) continue;
         next_[i] = memory_[old_row[i]];
-        if (next_[i].stiffness > 0) in_contact_.push_back(std::uint32_t(i));
+        if (next_[i] > 0) in_contact_.push_back(std::uint32_t(i));
     }
     memory_.swap(next_);
-    next_.assign(old_row.size(), {});
+    next_.assign(old_row.size(), 0);
 }
 
 void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
                        std::vector<Contact>& contacts) {
     if (memory_.size() != active.size()) {
-        memory_.assign(active.size(), {});
+        memory_.assign(active.size(), 0);
         in_contact_.clear();
     }
     next_.resize(active.size());
@@ -45,12 +45,14 @@ void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
     const double eta_t = std::min(1.0, 0.5 * settings_.beta + settings_.eta);
     const Eq11Stiffness limit{settings_.beta, dt};
     const NormalDamping damping{settings_.beta, settings_.eta, dt};
+    const EdgeShare share{last_dt_, dt};
+    last_dt_ = dt;
     const auto with_friction = [&](const auto& friction) {
         if (settings_.stiffness == StiffnessKind::fluid)
-            push(FluidStiffness{limit, settings_.chi}, damping, friction, active, surface,
+            push(FluidStiffness{limit, settings_.chi}, share, damping, friction, active, surface,
                  contacts);
         else
-            push(limit, damping, friction, active, surface, contacts);
+            push(limit, share, damping, friction, active, surface, contacts);
     };
     if (settings_.friction == FrictionKind::coulomb)
         with_friction(CoulombFriction{settings_.mu, eta_t, dt});
@@ -90,10 +92,9 @@ void ForceLaw::share_masses(const Surface& surface, const std::vector<Contact>& 
 
 /// Mass, stiffness and force of every contact.
 template <typename Stiffness, typename Friction>
-void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
-                    const Friction& friction, const Points& active, const Surface& surface,
-                    std::vector<Contact>& contacts) {
-    relaxation_ = 0;
+void ForceLaw::push(const Stiffness& stiffness_of, const EdgeShare& share_of,
+                    const NormalDamping& damping, const Friction& friction, const Points& active,
+                    const Surface& surface, std::vector<Contact>& contacts) {
     former_.swap(in_contact_);
     in_contact_.clear();
     double largest = 0, health = 0;  // health is NaN as soon as one force is NaN or infinite
@@ -110,26 +111,25 @@ void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
         const double m_c = 1 / inverse;
 
         // Within a contact the stiffness falls or stays.
-        const Memory& before = memory_[contact.particle];
+        const double before = memory_[contact.particle];
         double k = stiffness_of(m_c, active.stiffness[contact.particle]);
-        if (before.stiffness > 0) {
-            const double drop = before.stiffness - k;
-            if (drop > 0) relaxation_ += 0.5 * drop * contact.depth * before.depth;
-            k = std::min(k, before.stiffness);
+        const bool held = before > 0;
+        if (held) {
+            k = std::min(k, before);
         }
-        // A particle in a corner remembers the softest of its contacts and the deepest penetration.
-        // Whoever has left the surface has no entry and starts anew at the next touch.
-        Memory& next = next_[contact.particle];
-        if (next.stiffness == 0) {
-            next = {k, contact.depth};
+        // A particle in a corner remembers the softest of its contacts. Whoever has left the
+        // surface has no entry and starts anew at the next touch.
+        double& next = next_[contact.particle];
+        if (next == 0) {
+            next = k;
             in_contact_.push_back(contact.particle);
         } else {
-            next.stiffness = std::min(next.stiffness, k);
-            next.depth = std::max(next.depth, contact.depth);
+            next = std::min(next, k);
         }
 
-        /// f_n = max(0, k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
-        const double elastic = k * contact.depth;
+        /// f_n = max(0, s k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
+        contact.share = share_of(held, contact.depth, contact.closing, k * contact.depth / m_c);
+        const double elastic = contact.share * k * contact.depth;
         const double f_n = std::max(0.0, elastic + damping(m_c, k) * contact.closing);
         const double speed = contact.slip.norm();
         const double drag = friction(m_c, f_n, speed);
@@ -142,7 +142,7 @@ void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
         largest = std::max(largest, contact.force.cwiseAbs().maxCoeff());
         health += 0 * contact.force.sum();
     }
-    for (std::uint32_t i : former_) memory_[i] = {};
+    for (std::uint32_t i : former_) memory_[i] = 0;
     memory_.swap(next_);  // next_ is all empty again
     largest_ = largest;
     finite_ = health == 0;

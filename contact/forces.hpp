@@ -10,7 +10,7 @@
 // Stiffness never rises while a particle stays in contact. k follows dt and the number of neighbors
 // on a node; if it rose with a stored penetration, 1/2 k d^2 would be created out of nothing (dt
 // jumping between 1 and 1/2 gives a mean restitution of 1.16). It may fall: that loses energy,
-// which is booked as `relaxation`. So the contact's time scale is the largest dt since the particle
+// which the ledger books as `relaxation`. So the contact's time scale is the largest dt since the particle
 // touched, a smaller dt keeps k, a larger one lowers it, and no vote on dt is needed.
 
 #include <cstdint>
@@ -22,6 +22,7 @@
 namespace undertow::contact {
 
 struct NormalDamping;
+struct EdgeShare;
 
 enum class StiffnessKind { fluid, eq11 };
 enum class FrictionKind { coulomb, viscous };
@@ -53,26 +54,23 @@ class ForceLaw {
     std::span<const double> on_nodes() const { return node_force_; }          // [N] (N, 3)
     /// Nodes of the facets in contact, each once: all others have no force.
     std::span<const std::int32_t> touched_nodes() const { return touched_; }
-    double quantum() const { return quantum_; }        // [N]
-    double relaxation() const { return relaxation_; }  // [J] lost by falling stiffness, this step
-    bool finite() const { return finite_; }            // no NaN, no overflow in this step
+    double quantum() const { return quantum_; }  // [N]
+    bool finite() const { return finite_; }      // no NaN, no overflow in this step
     /// [N] largest component of the sum of all forces of this step: exactly 0, or a defect.
     double momentum_residual() const;
 
  private:
     void share_masses(const Surface& surface, const std::vector<Contact>& contacts);
     template <typename Stiffness, typename Friction>
-    void push(const Stiffness& stiffness, const NormalDamping& damping, const Friction& friction,
-              const Points& active, const Surface& surface, std::vector<Contact>& contacts);
+    void push(const Stiffness& stiffness, const EdgeShare& share, const NormalDamping& damping,
+              const Friction& friction, const Points& active, const Surface& surface,
+              std::vector<Contact>& contacts);
     void sum(const Surface& surface, const std::vector<Contact>& contacts);
     void clear(std::size_t particles, std::size_t nodes);
 
     LawSettings settings_;
-    struct Memory {
-        double stiffness = 0;  // [N/m] of the contact so far; 0 = not in contact
-        double depth = 0;      // [m] at the last step
-    };
-    std::vector<Memory> memory_, next_;               // per active particle
+    // [N/m] of each active particle's contact so far; 0 = not in contact
+    std::vector<double> memory_, next_;
     std::vector<std::uint32_t> in_contact_, former_;  // active rows with an entry in memory_
     // Per node: S_a (1 = 2^40), sum of forces [quantum] and whether it is touched. Where no contact
     // is they stay zero, and only what was touched is cleared: most of a surface is dry.
@@ -87,7 +85,8 @@ class ForceLaw {
     std::vector<std::int64_t> particle_sum_;           // [quantum]
     std::vector<double> particle_force_, node_force_;  // [N]
     double largest_ = 0;                               // [N] component of a contact force
-    double quantum_ = 0, relaxation_ = 0;
+    double quantum_ = 0;                               // [N]
+    double last_dt_ = 0;                               // [s] of the step before
     bool finite_ = true;
 };
 

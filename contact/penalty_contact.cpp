@@ -49,7 +49,7 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
     cells_.search(points, surface_, skin, candidates_);
 
     const std::size_t active = candidates_.row.size();
-    std::vector<std::int64_t> old_row(active);
+    former_row_.resize(active);
     x_rebuilt_.resize(3 * active);
     v_rebuilt_.resize(3 * active);
     mass_.resize(active);
@@ -58,7 +58,7 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
     id_.resize(active);
     for (std::size_t i = 0; i < active; ++i) {
         const std::uint32_t row = candidates_.row[i];
-        old_row[i] = old_row_[row];
+        former_row_[i] = old_row_[row];
         std::copy_n(&points.x[3 * std::size_t(row)], 3, &x_rebuilt_[3 * i]);
         std::copy_n(&points.v[3 * std::size_t(row)], 3, &v_rebuilt_[3 * i]);
         mass_[i] = points.mass[row];
@@ -66,7 +66,7 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
         stiffness_[i] = points.stiffness[row];
         id_[i] = points.id[row];
     }
-    law_.renumber(old_row);
+    law_.renumber(former_row_);
     x_ = x_rebuilt_;
     v_ = v_rebuilt_;
     detector_.renew(active_points(), surface_, candidates_);
@@ -85,18 +85,17 @@ void PenaltyContact::update(std::span<const double> x_active, std::span<const do
 void PenaltyContact::compute_forces(double dt) {
     law_.compute(active_points(), surface_, dt, contacts_);
     kick_ = 0.5 * (last_dt_ + dt);
+    dt_before_ = last_dt_;
     last_dt_ = dt;
 }
 
 void PenaltyContact::settle() {
-    ledger_.book(
-        former_contacts_, rebuilt_ ? std::span<const double>(v_searched_) : v_,
-        rebuilt_ ? std::span<const std::int64_t>(row_now_) : std::span<const std::int64_t>{},
-        surface_);
+    ledger_.book(former_contacts_, rebuilt_ ? std::span<const double>(v_searched_) : v_,
+                 rebuilt_ ? RowChanges{row_now_, former_row_} : RowChanges{}, surface_, contacts_);
     rebuilt_ = false;
     settled_ = true;
     ledger_.keep(active_points(), surface_, law_.on_particles(), law_.on_nodes(),
-                 law_.touched_nodes(), {last_dt_, kick_, law_.relaxation()});
+                 law_.touched_nodes(), {dt_before_, last_dt_});
 }
 
 /// The contacts of the last step stay as they are until they are booked.

@@ -76,10 +76,11 @@ class PenaltyContact {
 
     // At a search: rows of the former active points among the searched ones, and back; -1 = none.
     std::vector<std::int64_t> row_now_, old_row_, slot_;
+    std::vector<std::int64_t> former_row_;  // of each active particle among the former active ones
     std::vector<double> v_searched_;  // [m/s] all points of the search
     bool rebuilt_ = false, settled_ = false;
 
-    double step_limit_ = 0, last_dt_ = 0, kick_ = 0;  // [s]
+    double step_limit_ = 0, last_dt_ = 0, dt_before_ = 0, kick_ = 0;  // [s]
 };
 
 }  // namespace undertow::contact

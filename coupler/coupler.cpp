@@ -14,6 +14,9 @@ namespace undertow::coupler {
 
 namespace {
 
+// Round-off of 10^6 steps, and the quantum of the forces: 2^-40 of the largest.
+constexpr double books_close = 1e-9;
+
 contact::LawSettings law_of(const CouplingSettings& settings) {
     contact::LawSettings law;
     law.stiffness = settings.law == StiffnessLaw::fluid ? contact::StiffnessKind::fluid
@@ -210,6 +213,10 @@ int Coupler::finish(const std::string& reason) {
     progress_.finish(figures_->live(step_, participants_, *recorder_, input_.time.end));
     figures_->write(options_.folder + "/summary.coupler.json", reason, t_, participants_,
                     *recorder_, *contact_, budget_->late());
+    if (const double residual = contact_->energy().relative_residual(); residual > books_close)
+        log_warning("the energy of the interface does not close: " + std::to_string(residual) +
+                    " of what passed it is not accounted for (summary.coupler.json, "
+                    "interface_work_residual); this is a defect, please report it with the case");
     log_info(reason + " at t = " + std::to_string(t_) + " s after " +
              std::to_string(figures_->steps()) + " steps");
     return reason == "done" ? exit_done : exit_interrupted;

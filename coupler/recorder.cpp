@@ -92,10 +92,13 @@ Recorder::Recorder(const std::string& folder, const Case& input, const JointSurf
       energy_(
           folder + "/energy.interface.csv",
           {"work done by contact since the start, energy stored and lost at the interface",
-           "residual = work_particles + work_surface + penalty + damping + friction + relaxation",
+           "residual = sum of all the others [J]: round-off, or a force is not what it should be",
+           "impact: springs that open and close within a step; uneven: a changing dt; turning: depths "
+           "that velocities do not explain (normals that turn, particles that were shifted)",
            "booked to t - dt_before/2: the last step is booked when its velocities arrive"},
           {"t [s]", "work_particles [J]", "work_surface [J]", "penalty [J]", "damping [J]",
-           "friction [J]", "relaxation [J]", "residual [J]", "contacts", "deepest [l0]"}) {
+           "friction [J]", "relaxation [J]", "impact [J]", "uneven [J]", "turning [J]",
+           "residual [J]", "contacts", "deepest [l0]"}) {
     for (const PressurePatch& patch : input.coupling.patch)
         patch_.push_back({patch, MovingMean(patch.window)});
     if (!patch_.empty())
@@ -149,7 +152,7 @@ void Recorder::write_row(double t, double dt, const contact::PenaltyContact& con
     for (const Contact& c : contact.contacts())
         deepest = std::max(deepest, c.depth / contact.radius(c.particle));
     row_.assign({t, e.work_particles, e.work_surface, e.penalty, e.damping, e.friction,
-                 e.relaxation, e.residual(), double(contact.contacts().size()), deepest});
+                 e.relaxation, e.impact, e.uneven, e.turning, e.residual(), double(contact.contacts().size()), deepest});
     energy_.row(row_);
 
     if (!patches_) return;

@@ -103,6 +103,10 @@ void RunFigures::write(const std::string& path, const std::string& reason, doubl
     summary.set("interface_energy.damping", contact.energy().damping);
     summary.set("interface_energy.friction", contact.energy().friction);
     summary.set("interface_energy.relaxation", contact.energy().relaxation);
+    summary.set("interface_energy.impact", contact.energy().impact);
+    summary.set("interface_energy.uneven", contact.energy().uneven);
+    summary.set("interface_energy.turning", contact.energy().turning);
+    summary.set("interface_numerical_loss", contact.energy().relative_numerical_loss());
     summary.set("transport", participants.transport());
     summary.set("bytes_per_step", participants.bytes() / steps);
     summary.set("searches", searches_);

@@ -133,7 +133,8 @@ def figures(summary):
     if told:
         lines.append("coupling: " + ", ".join(told))
     audit = [f"{label} {coupling[key]:.2g}" for label, key in
-             (("momentum residual", "momentum_residual"), ("interface work residual", "interface_work_residual"))
+             (("momentum residual", "momentum_residual"), ("interface work residual", "interface_work_residual"),
+              ("interface numerical loss", "interface_numerical_loss"))
              if isinstance(coupling.get(key), (int, float))]
     if audit:
         lines.append("audit: " + ", ".join(audit) + " (relative)")

@@ -43,10 +43,10 @@ LawSettings elastic() {
 
 }  // namespace
 
-TEST_CASE("two masses collide elastically: velocities of the exact solution within 3 %") {
+TEST_CASE("two masses collide elastically: restitution 1 whatever the masses and the moment of touch") {
     // One particle on the middle of one free facet: the four nodes act as one mass m_n.
     const double dt = 1e-4, l0 = 0.1, v0 = 1;
-    for (double m_i : {0.1, 1.0, 10.0}) {
+    for (double m_i : {1e-3, 0.1, 1.0, 10.0, 1e3}) {
         double worst = 0, mean = 0;
         const int phases = 40;
         for (int phase = 0; phase < phases; ++phase) {
@@ -63,10 +63,11 @@ TEST_CASE("two masses collide elastically: velocities of the exact solution with
             for (int n = 0; n < 4; ++n) momentum += m_n / 4 * world.nodes.v[3 * n + 2];
             CHECK(momentum == Approx(-m_i * v0).epsilon(1e-12));
         }
-        // beta 0.25: an impact takes pi/0.5 = 6 steps; where the first one falls in the step
-        // scatters the restitution by 2.2 % (research figure).
-        CHECK(worst < 0.03);
-        CHECK(mean == Approx(1).margin(0.005));
+        // beta 0.25: an impact takes pi/0.5 = 6 steps. Where the first one falls in the step would
+        // scatter the restitution by 2.2 %; EdgeShare leaves round-off of positions, 1e-16 of 0.1 m
+        // against depths of 1e-4 m.
+        CHECK(worst < 1e-10);
+        CHECK(mean == Approx(1).margin(1e-11));
     }
 }
 
@@ -136,9 +137,9 @@ TEST_CASE("many particles on one node are stable at the FEM's own CFL 0.8 and 0.
     CAPTURE(cfl, P);
     SECTION("undamped: the energy is passed on, it does not grow") {
         const Energies energies = press_on_one_node(P, cfl, elastic());
-        // A single ball bounces: each impact's restitution scatters by 2 %, and its energy takes a
-        // random walk over 600 impacts. The others are held down and stay where they are.
-        CHECK(energies.late < (P == 1 ? 50 : 1.1) * energies.early);
+        // A single ball bounces 600 times. If each impact's restitution scattered by 2 %, its
+        // energy would take a random walk (found: a factor 28).
+        CHECK(energies.late < 1.1 * energies.early);
     }
     SECTION("with the default damping it decays") {
         LawSettings law;
@@ -300,9 +301,11 @@ TEST_CASE("the ledger balances: what one side loses is found, stored or lost") {
         const InterfaceEnergy energy = run(law, 0);
         CHECK(energy.damping == 0);
         CHECK(energy.friction == 0);
-        // Springs that open or close within a step, (omega dt)^2 = 0.015:
-        // found 1.3e-4.
-        CHECK(energy.relative_residual() < 1e-3);
+        CHECK(energy.relative_residual() < 1e-12);
+        // What leapfrog gained or lost: normals that turn, gravity within the first step of an
+        // impact. Found 5e-5; 1.3e-4 with the whole k d at the first step.
+        CHECK(std::abs(energy.relative_numerical_loss()) < 2e-4);
+        CHECK(energy.uneven == 0);
     }
     SECTION("damped, with friction and a varying step") {
         LawSettings law;
@@ -311,7 +314,9 @@ TEST_CASE("the ledger balances: what one side loses is found, stored or lost") {
         CHECK(energy.damping > 0);
         CHECK(energy.friction > 0);
         CHECK(energy.relaxation >= 0);
-        CHECK(energy.relative_residual() < 1e-3);
+        CHECK(energy.uneven != 0);
+        CHECK(energy.relative_residual() < 1e-12);
+        CHECK(std::abs(energy.relative_numerical_loss()) < 1e-4);
     }
 }
 
@@ -325,9 +330,31 @@ TEST_CASE("the ledger of a spring that stays closed is exact") {
     world.node_load = [](std::size_t) { return Vec(0, 0, 50); };
     for (int n = 0; n < 1000; ++n) world.step(2e-4);
     REQUIRE(world.contact.contacts().size() == 1);
-    // All but the first half step, whose start energy k d^2/2 the ledger does not know.
+    // The spring is there at the start with k d^2/2 = 1 J: found compressed, a gain.
     const InterfaceEnergy energy = world.contact.energy();
-    CHECK(std::abs(energy.residual() - 0.5 * 2e4 * 0.01 * 0.01) < 1e-3 * energy.turnover);
+    CHECK(energy.impact == Approx(-0.5 * 2e4 * 0.01 * 0.01).epsilon(1e-12));
+    CHECK(energy.relative_residual() < 1e-12);
+    CHECK(std::abs(energy.turning) < 1e-12 * energy.turnover);
+}
+
+TEST_CASE("the ledger tells what is not physics") {
+    // A position moved by hand, as a particle solver's shifting does.
+    LawSettings law;
+    law.eta = 0;
+    Particles particles;
+    particles.add({0.5, 0.5, 0.09}, {0, 0, 0}, 1, 0.1, 2e4);
+    World world(flat_plate(1, 1, 1, 0.5), particles, law);
+    world.nodes_fixed = true;
+    world.particle_load = [](std::size_t) { return Vec(0, 0, -200); };
+    for (int n = 0; n < 100; ++n) world.step(2e-4);
+    const InterfaceEnergy before = world.contact.energy();
+    CHECK(std::abs(before.turning) < 1e-12);
+    const double depth = 0.1 - world.particles.x[2], shift = 1e-3;
+    world.particles.x[2] -= shift;
+    world.step(2e-4);
+    const InterfaceEnergy after = world.contact.energy();
+    CHECK(after.turning == Approx(-2e4 * depth * shift).epsilon(0.1));  // energy from nowhere
+    CHECK(after.relative_residual() < 1e-12);
 }
 
 TEST_CASE("a step allocates nothing once the arrays have grown") {
