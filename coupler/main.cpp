@@ -2,6 +2,7 @@
 
 #include "case/program_options.hpp"
 #include "coupler/coupler.hpp"
+#include "wire/errors.hpp"
 
 int main(int argc, char** argv) {
     using namespace undertow;
@@ -10,6 +11,9 @@ int main(int argc, char** argv) {
         {"coupler", "Couples a particle solver and a structure: contact, common time step, audit.",
          ProgramKind::coupler, [](ProgramOptions options) {
              const Case input = open_case(options, "coupler");
+             if (input.checkpoint.present || !options.resume.empty())
+                 throw InputError(input.file + ": [checkpoint] and --resume work for fem_solver "
+                                  "alone in this version; leave them out.");
              const coupler::CouplerOptions own{options.folder, options.endpoint, options.quiet};
              return coupler::Coupler(input, own).run();
          }});

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "case/time_step.hpp"
+#include "checkpoint/own_checkpoints.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
 #include "results/stop_signal.hpp"
 #include "wire/errors.hpp"
@@ -15,37 +16,54 @@ namespace {
 
 class Alone final : public Link {
  public:
-    explicit Alone(const Case& c) : agreement_(c.time, c.output.fields_every), end_(c.time.end),
-                                       max_step_(c.time.max_step) {}
+    Alone(const Case& c, const std::string& folder)
+        : agreement_(c.time, c.output.fields_every),
+          checkpoints_(c, folder, "fem"),
+          end_(c.time.end),
+          max_step_(c.time.max_step) {}
 
-    std::int64_t announce(const Structure& structure) override {
+    std::int64_t announce(const Structure& structure, std::int64_t n) override {
         if (only_implicit_parts(structure.model()) && structure.implicit() &&
             !std::isfinite(max_step_))
             throw InputError(
                 "fem.part: all that deforms is implicit, and this program runs alone, so that "
                 "nothing limits the step; set time.max_step to what resolves the motion.");
-        return 0;
+        return n;
     }
-    void send_state(std::int64_t, double t, const Structure&, const StableStep& offer,
+    void send_state(std::int64_t n, double t, const Structure&, const StableStep& offer,
                     bool stop) override {
+        n_ = n, t_ = t;
         order_.finish = stop || t >= end_;
         order_.interrupted = stop && t < end_;
-        if (order_.finish) return;
+        if (checkpoints_.due(n, t, order_.finish, order_.interrupted))
+            order_.checkpoint = checkpoint_id(n);
         offer_[0].dt = offer.dt;
         offer_[0].limiter = "fem: " + offer.limiter;
-        AgreedStep step = agreement_.agree(t, offer_);
+    }
+    /// The step is agreed after its checkpoint, which must not know it.
+    const StepOrder& wait_order() override {
+        if (order_.finish || !order_.checkpoint.empty()) return order_;
+        AgreedStep step = agreement_.agree(t_, offer_);
         order_.dt = step.dt;
         order_.t1 = step.t1;
         order_.limiter = std::move(step.limiter);
         order_.output = step.output;
+        return order_;
     }
-    const StepOrder& wait_order() override { return order_; }
+    void confirm(const WrittenFile& file) override {
+        checkpoints_.complete(n_, t_, file);
+        order_.checkpoint.clear();
+    }
+    void archive(Archive& a) override { a.object("agreement", agreement_); }
     void say_goodbye(std::int64_t) override {}
     void report_error(const std::string&, const std::string&) noexcept override {}
     double waited() const override { return 0; }
 
  private:
     StepAgreement agreement_;
+    OwnCheckpoints checkpoints_;
+    std::int64_t n_ = 0;
+    double t_ = 0;  // [s]
     double end_;
     double max_step_;  // [s] of the case
     std::vector<StepOffer> offer_{1};
@@ -80,7 +98,7 @@ class Coupled final : public Link {
         }
     }
 
-    std::int64_t announce(const Structure& structure) override {
+    std::int64_t announce(const Structure& structure, std::int64_t) override {
         const CoupledSurface& surface = structure.model().surface;
         wire::Mesh mesh;
         mesh.mesh = "structure";
@@ -125,6 +143,7 @@ class Coupled final : public Link {
     const StepOrder& wait_order() override {
         participant_.wait_reply(reply_);
         order_.finish = reply_.finish.has_value();
+        order_.checkpoint = reply_.checkpoint ? reply_.checkpoint->id : "";
         if (reply_.finish) {
             order_.interrupted = reply_.finish->reason == "interrupted";
         } else if (reply_.force) {
@@ -133,14 +152,18 @@ class Coupled final : public Link {
             order_.limiter = reply_.force->limiter;
             order_.output = (reply_.force->flags & wire::force_output) != 0;
             order_.f = reply_.force->f;
-        } else {
-            throw PeerError("E_STATE",
-                            "the coupler asked for a checkpoint, which this participant did not "
-                            "offer in its HELLO.");
         }
         return order_;
     }
 
+    void confirm(const WrittenFile& file) override {
+        wire::CheckpointAck ack;
+        ack.n = reply_.checkpoint->n;
+        ack.file = file.name;
+        ack.sha256 = file.sha;
+        participant_.send(std::move(ack));
+    }
+    void archive(Archive& a) override { a("work", work_); }
     void say_goodbye(std::int64_t n) override { participant_.say_goodbye(n); }
     void report_error(const std::string& code, const std::string& text) noexcept override {
         participant_.report_error(code, text);
@@ -156,8 +179,8 @@ class Coupled final : public Link {
 
 }  // namespace
 
-std::unique_ptr<Link> run_alone(const Case& c) {
-    return std::make_unique<Alone>(c);
+std::unique_ptr<Link> run_alone(const Case& c, const std::string& folder) {
+    return std::make_unique<Alone>(c, folder);
 }
 
 std::unique_ptr<Link> join_coupler(const Case& c, const std::string& endpoint) {

@@ -68,7 +68,8 @@ std::vector<std::pair<std::int32_t, int>> held_of(const Model& model,
 
 }  // namespace
 
-HistoryFiles::HistoryFiles(const std::string& folder, const Case& c, const Structure& structure) {
+HistoryFiles::HistoryFiles(const std::string& folder, const Case& c, const Structure& structure,
+                           FileStart start) {
     const Model& model = structure.model();
     std::size_t sections = 0;
     for (const FemHistory& what : c.fem.history) {
@@ -83,7 +84,7 @@ HistoryFiles::HistoryFiles(const std::string& folder, const Case& c, const Struc
         file_.push_back(
             {what, HistoryTimes(what.every > 0 ? what.every : c.output.history_every, c.time.end),
              History(folder + "/fem.history." + what.name + ".csv", {note, "unfiltered"},
-                     columns_of(what.kind)),
+                     columns_of(what.kind), start),
              nodes, held_of(model, nodes), index});
     }
 }

@@ -14,12 +14,14 @@ namespace undertow::fem {
 
 class HistoryFiles {
  public:
-    HistoryFiles(const std::string& folder, const Case& c, const Structure& structure);
+    HistoryFiles(const std::string& folder, const Case& c, const Structure& structure,
+                 FileStart start = FileStart::fresh);
 
     /// Rows that are due at t; after the kick, when forces at n are complete.
     void write(double t, const Structure& structure);
     /// The last rows, due or not.
     void write_last(double t, const Structure& structure);
+    void archive(Archive& a, double t);  // t [s]: now
 
  private:
     struct File {

@@ -101,7 +101,7 @@ Prepared prepare(const Case& c, const ProgramOptions& options) {
                                                      : alone             ? cores
                                                                          : 1);
     log_start(*prepared.structure, quality);
-    if (c.fem.settle) {
+    if (c.fem.settle && options.resume.empty()) {
         prepared.settlement = settle(*prepared.structure, *c.fem.settle);
         log_settlement(*prepared.settlement, *prepared.structure);
     }
@@ -110,9 +110,12 @@ Prepared prepare(const Case& c, const ProgramOptions& options) {
 
 int run(const Case& c, const ProgramOptions& options, Link& link, Prepared prepared) {
     const bool alone = options.endpoint.empty();
-    Output output(options.folder, c, *prepared.structure, prepared.settlement);
+    const FileStart files = options.resume.empty() ? FileStart::fresh : FileStart::continued;
+    Output output(options.folder, c, *prepared.structure, prepared.settlement, files);
     ProgressLine line(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
-    const bool complete = Solver(c, *prepared.structure, link, output, line).run();
+    Solver solver(c, options.folder, *prepared.structure, link, output, line);
+    if (!options.resume.empty()) solver.resume(options.resume);
+    const bool complete = solver.run();
     log_info(complete ? "done" : "ended by the user");
     return complete ? exit_done : exit_interrupted;
 }
@@ -120,6 +123,9 @@ int run(const Case& c, const ProgramOptions& options, Link& link, Prepared prepa
 int join_and_run(ProgramOptions options) {
     const Case c = open_case(options, "fem_solver");
     if (!c.fem.present) throw InputError(c.file + ": the case has no [fem] table.");
+    if (!options.endpoint.empty() && (c.checkpoint.present || !options.resume.empty()))
+        throw InputError(c.file + ": [checkpoint] and --resume work for fem_solver alone in this "
+                         "version; leave them out.");
     // Settling takes its time before the others are asked to wait; what it finds wrong is told to
     // them all the same.
     Prepared prepared;
@@ -130,7 +136,7 @@ int join_and_run(ProgramOptions options) {
             trouble = std::current_exception();
         }
     const std::unique_ptr<Link> link =
-        options.endpoint.empty() ? run_alone(c) : join_coupler(c, options.endpoint);
+        options.endpoint.empty() ? run_alone(c, options.folder) : join_coupler(c, options.endpoint);
     try {
         if (trouble) std::rethrow_exception(trouble);
         if (!prepared.structure) prepared = prepare(c, options);

@@ -11,6 +11,10 @@
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/simd.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::fem {
 
 struct Nodes {
@@ -23,6 +27,7 @@ struct Nodes {
     std::vector<double> weight_share;  // mass that gravity acts on over mass
 
     std::size_t size() const { return mass.size(); }
+    void archive(Archive& a);
 };
 
 /// What one kick did, summed over the nodes.

@@ -92,17 +92,18 @@ std::vector<std::string> history_notes(const Model& model) {
 }  // namespace
 
 Output::Output(const std::string& folder, const Case& c, const Structure& structure,
-               std::optional<Settlement> settlement)
+               std::optional<Settlement> settlement, FileStart start)
     : folder_(folder),
-      mesh_(folder + "/fem", structure.nodes().size(), cells_of(structure.model().mesh)),
+      mesh_(folder + "/fem", structure.nodes().size(), cells_of(structure.model().mesh),
+            start),
       energy_(folder + "/energy.fem.csv",
               {"energies of the structure at t; what went in is external (weight, pressure) and "
                "contact work",
                "kinetic: 1/2 m v(t - dt/2).v(t + dt/2); balance error: the rest of the sum"},
-              energy_columns(structure)),
+              energy_columns(structure), start),
       history_(folder + "/fem.history.csv", history_notes(structure.model()),
-               history_columns(structure)),
-      own_histories_(folder, c, structure),
+               history_columns(structure), start),
+      own_histories_(folder, c, structure, start),
       row_times_(c.output.history_every, c.time.end),
       settlement_(std::move(settlement)) {}
 
@@ -230,6 +231,11 @@ void Output::summary(const RunFigures& run, const Structure& structure) const {
     s.set("dt_critical_elements", 2 / structure.omega_bound());
     s.set("dt_critical", 2 / structure.omega_start());
     s.set("frequency_searches", std::int64_t(structure.frequency_searches()));
+    if (run.checkpoints > 0) {
+        s.set("checkpoint.written", run.checkpoints);
+        s.set("checkpoint.mb", run.checkpoint_mb);
+        s.set("checkpoint.s_each", run.checkpoint_s / double(run.checkpoints));
+    }
     s.set("energy_balance_error", peak_energy_ > 0 ? worst_balance_ / peak_energy_ : 0.0);
     s.set("max_displacement", peak_displacement_);
     if (const ImplicitParts* implicit = structure.implicit()) {

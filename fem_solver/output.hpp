@@ -25,13 +25,23 @@ struct RunFigures {
     double wall = 0, wait = 0;  // [s]
     std::string limiter;        // of the last step that was not cut short for an output
     bool complete = false;      // reached the end of the run
+
+    std::int64_t checkpoints = 0;
+    double checkpoint_mb = 0, checkpoint_s = 0;  // of the last one [MB], of all [s]
+
+    void count_checkpoint(std::int64_t bytes, double seconds) {
+        ++checkpoints;
+        checkpoint_mb = double(bytes) / 1e6;
+        checkpoint_s += seconds;
+    }
+    void archive(Archive& a);
 };
 
 class Output {
  public:
     /// `settlement` for the summary, if the structure settled.
     Output(const std::string& folder, const Case& c, const Structure& structure,
-           std::optional<Settlement> settlement = {});
+           std::optional<Settlement> settlement = {}, FileStart start = FileStart::fresh);
 
     /// Fields at t; velocity is v^{n-1/2}. Nothing when these fields have been written already.
     void fields(double t, const Structure& structure);
@@ -40,6 +50,7 @@ class Output {
     /// The last rows, due or not.
     void last_history(double t, const Structure& structure);
     void summary(const RunFigures& run, const Structure& structure) const;
+    void archive(Archive& a, double t);  // t [s]: now
 
  private:
     void write_rows(double t, const Structure& structure);

@@ -30,6 +30,7 @@ class SectionForce {
     /// Of the group on the rest, at the last measure.
     const Wrench& force() const { return force_; }
 
+    void archive(Archive& a);
     std::size_t shared_nodes() const { return shared_; }
 
  private:

@@ -20,6 +20,8 @@ struct Settlement {
     double largest_displacement = 0;  // [m] of a node
     std::vector<Vec3> body_displacement;  // [m] of each rigid body's center
     double wall = 0;                      // [s]
+
+    void archive(Archive& a);
 };
 
 /// Explicit steps in which all motion is ended at each peak of the kinetic energy (kinetic

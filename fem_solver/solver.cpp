@@ -11,22 +11,39 @@ namespace {
 constexpr double quiet_from = 0.6;
 }  // namespace
 
-Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line)
-    : structure_(structure), link_(link), output_(output), line_(line), t_end_(c.time.end),
+Solver::Solver(const Case& c, const std::string& folder, Structure& structure, Link& link,
+               Output& output, ProgressLine& line)
+    : case_(c),
+      folder_(folder),
+      structure_(structure),
+      link_(link),
+      output_(output),
+      line_(line),
+      t_end_(c.time.end),
       t_release_(c.start.settle) {}
 
 bool Solver::step_to_the_end() {
     structure_.release_far_field();
-    n_ = link_.announce(structure_);
+    const std::int64_t first = link_.announce(structure_, n_);
+    if (resumed_ && first != n_)
+        throw InputError("the coupler goes on at step " + std::to_string(first) +
+                         ", this program's checkpoint is of step " + std::to_string(n_) +
+                         ": the files are of different sets.");
+    n_ = first;
     bool output_due = true;
     for (;; ++n_) {
-        link_.send_state(n_, t_, structure_, structure_.stable_step(), stop_requested());
-        structure_.internal_forces();  // while the coupler computes contact
-        structure_.pressure_forces(t_);
-        structure_.check_health(n_, t_);
-        if (output_due) output_.fields(t_, structure_);
+        link_.send_state(n_, t_, structure_,
+                         resumed_ ? structure_.offered() : structure_.stable_step(),
+                         stop_requested());
+        if (!resumed_) {
+            structure_.internal_forces();  // while the coupler computes contact
+            structure_.pressure_forces(t_);
+            structure_.check_health(n_, t_);
+            if (output_due) output_.fields(t_, structure_);
+        }
+        resumed_ = false;
 
-        const StepOrder& order = link_.wait_order();
+        const StepOrder& order = wait_order();
         if (order.finish) return !order.interrupted;
         const bool moves = t_ >= t_release_;
         if (moves) structure_.let_go();
@@ -45,8 +62,18 @@ bool Solver::step_to_the_end() {
     }
 }
 
+/// The next step or the end; writes the checkpoints that are asked for in between.
+const StepOrder& Solver::wait_order() {
+    const StepOrder* order = &link_.wait_order();
+    while (!order->checkpoint.empty()) {
+        link_.confirm(write_checkpoint(order->checkpoint));
+        order = &link_.wait_order();
+    }
+    return *order;
+}
+
 bool Solver::run() {
-    const double start = wall_clock();
+    const double start = start_ = wall_clock() - figures_.wall;
     try {
         figures_.complete = step_to_the_end();
         structure_.finish();

@@ -14,7 +14,12 @@ class Solver {
  public:
     /// Borrows structure and link. `line` shows the run's progress (quiet in a coupled run, where
     /// the coupler shows it).
-    Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line);
+    /// folder: of the results, where checkpoints go.
+    Solver(const Case& c, const std::string& folder, Structure& structure, Link& link,
+           Output& output, ProgressLine& line);
+
+    /// Takes over the state of a checkpoint; InputError when it belongs to something else.
+    void resume(const std::string& set);
 
     /// Runs to the end; true, or false when the user ended it. PhysicsError and PeerError pass
     /// through, after the last state has been written.
@@ -22,10 +27,15 @@ class Solver {
 
  private:
     bool step_to_the_end();
+    const StepOrder& wait_order();
+    WrittenFile write_checkpoint(const std::string& id);
+    void archive(Archive& a);
     void count(const StepOrder& order);
     void show(const StepOrder& order, bool last);
     void close(double start);
 
+    const Case& case_;
+    std::string folder_;
     Structure& structure_;
     Link& link_;
     Output& output_;
@@ -34,6 +44,8 @@ class Solver {
     double t_release_;  // [s] until then the structure does not move
     double t_ = 0;  // [s]
     std::int64_t n_ = 0;
+    bool resumed_ = false;  // forces at n are those of the checkpoint
+    double start_ = 0;      // [s] wall clock, less what a run before took
     RunFigures figures_;
 };
 

@@ -107,6 +107,11 @@ class Structure {
     /// omega from the elements' bound, tightened by the largest eigenfrequency of the whole mesh]
     const StableStep& stable_step();
 
+    /// What stable_step() returned last.
+    const StableStep& offered() const { return stable_; }
+    /// All that steps change. InputError when it belongs to another mesh.
+    void archive(Archive& a);
+
     Energies energies() const;  // complete after kick
     /// [m/s] v^n of a node, from both half steps.
     Vec3 velocity(std::int32_t node) const;

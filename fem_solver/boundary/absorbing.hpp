@@ -57,6 +57,7 @@ class AbsorbingBoundary {
 
     double reaction_work() const { return reaction_.work; }  // [J]
     double dissipated() const { return dissipated_; }        // [J] up to n, after the kick
+    void archive(Archive& a);
 
  private:
     void add_facet(const AbsorbingFacet& facet, const std::vector<Vec3>& x);

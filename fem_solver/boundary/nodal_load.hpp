@@ -16,6 +16,8 @@ struct NodalLoad {
     explicit NodalLoad(std::vector<std::int32_t> nodes = {})
         : node(std::move(nodes)), force(node.size()) {}
 
+    void archive(Archive& a);
+
     void add_to(NodeRows& f) const {
         for (std::size_t i = 0; i < node.size(); ++i) as_row(f[node[i]]) += as_row(force[i]);
     }

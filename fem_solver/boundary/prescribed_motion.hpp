@@ -37,6 +37,7 @@ class PrescribedMotion {
     void read_force(const RigidBody& body, const Kick& step);
     void drift();
     void reset_work() { work_ = 0; }
+    void archive(Archive& a);
 
     const std::string& name() const { return name_; }
     int body() const { return body_; }

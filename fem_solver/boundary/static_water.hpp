@@ -30,6 +30,7 @@ class StaticWater {
         double nodal = 0;  // root mean square of a node, over that of p_h
     };
     const Difference& difference() const { return difference_; }
+    void archive(Archive& a);
 
     NodalLoad load;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "checkpoint/archive.hpp"
 #include "fem_solver/contact_pairs/touched_surface.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
@@ -372,6 +373,35 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
 void ContactPair::count_from_here() {
     s_->stored_from = s_->stored;
     s_->slipped = s_->damped = 0;
+}
+
+void ContactPair::archive(Archive& a) {
+    State& s = *s_;
+    a.rows("toucher", s.toucher, [](Toucher& t) {
+        return std::tie(t.k, t.damping, t.reach, t.friction[0], t.friction[1], t.friction[2],
+                        t.normal_force, t.damping_force, t.near_at_start, t.touch.facet,
+                        t.touch.weight, t.touch.normal[0], t.touch.normal[1], t.touch.normal[2],
+                        t.touch.distance, t.has_touch, t.slips, t.slipped, t.damped);
+    });
+    a("row", s.found.row);  // candidates of the last search
+    a("start", s.found.start);
+    a("facet", s.found.facet);
+    a("distance", s.found.distance);
+    a("first", s.first);
+    a("last", s.last);
+    a("radius", s.radius);
+    a("x_searched", s.x_searched);
+    a("surface_searched", s.surface_searched);
+    a("searches", s.searches);
+    a("normal_force", s.totals.normal_force);
+    a("force", s.totals.force);
+    a("friction", s.totals.friction);
+    a("touching", s.totals.touching);
+    a("slipping", s.totals.slipping);
+    a("stored", s.stored);
+    a("stored_from", s.stored_from);
+    a("slipped", s.slipped);
+    a("damped", s.damped);
 }
 
 const ContactSet& ContactPair::set() const {

@@ -73,6 +73,7 @@ class ContactPair {
     /// From here on energies count from now.
     void count_from_here();
 
+    void archive(Archive& a);
     const ContactSet& set() const;
     const ContactTotals& totals() const;
     /// [Pa] adds f_n over its area to the nodes of the set, (nodes of the mesh).

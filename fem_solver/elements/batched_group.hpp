@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "checkpoint/archive.hpp"
 #include "fem_solver/elements/batches.hpp"
 #include "fem_solver/elements/element_law.hpp"
 
@@ -62,6 +63,17 @@ class BatchedGroup : public ElementGroup {
         });
     }
     int colors() const { return batches_.colors(); }
+    void archive(Archive& a) override {
+        a.flat<double>("state", state_);
+        a.flat<double>("plastic_strain", plastic_strain_);
+        a.flat<double>("omega2", omega2_);
+        std::vector<Lanes> reference(constants_.size());
+        for (std::size_t b = 0; b < reference.size(); ++b)
+            reference[b] = constants_[b].omega2_reference;
+        a.flat<double>("omega2_reference", reference);
+        for (std::size_t b = 0; b < reference.size(); ++b)
+            constants_[b].omega2_reference = reference[b];
+    }
 
  protected:
     /// Figures of an element that all kinds have alike; omega2 is its bound at the start.

@@ -92,6 +92,8 @@ class ElementGroup {
     virtual void write_face_stress(std::span<double> /*top*/, std::span<double> /*bottom*/) const {}
     /// Equivalent plastic strain so far (elements of the mesh); fills its own.
     virtual void write_plastic_strain(std::span<double> strain) const = 0;
+    /// All that steps change.
+    virtual void archive(Archive& a) = 0;
 };
 
 }  // namespace undertow::fem

@@ -64,6 +64,7 @@ class Elements {
     FaceStress face_stress() const;
     /// Equivalent plastic strain (n_elements) so far, in the mesh's order; 0 of elastic parts.
     std::vector<double> plastic_strain() const;
+    void archive(Archive& a);
 
  private:
     bool limits_step(const std::unique_ptr<ElementGroup>& group) const;

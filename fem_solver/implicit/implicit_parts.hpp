@@ -72,6 +72,7 @@ class ImplicitParts {
     std::int64_t factorizations() const { return factorizations_; }
     std::int64_t assemblies() const { return assemblies_; }
     double explicit_step() const { return 2 / omega_elements_; }  // [s] by the bound, at cfl = 1
+    void archive(Archive& a);
 
  private:
     void follow(const Hexahedra& elements, const Nodes& nodes, double dt);

@@ -22,6 +22,7 @@ class ShapeWatch {
     /// edges of its mean parallelepiped), X' the accepted ones and R the turn of its body: an
     /// angle, or a strain.
     double largest_change(const NodeRows& x, const TurningBodies& bodies) const;
+    void archive(Archive& a);
 
  private:
     using Axes = std::array<std::array<double, 3>, 3>;  // [m] linear modes

@@ -39,6 +39,7 @@ class StiffnessMatrix {
     void assemble(const Hexahedra& elements, const Nodes& nodes);
 
     const BlockMatrix& matrix() const { return matrix_; }
+    void archive(Archive& a);
     int sweeps() const { return 3 * colors_; }
 
  private:

@@ -30,6 +30,7 @@ class TurningBodies {
     void turn_back(std::vector<double>& a) const;
     void turn(std::vector<double>& a) const;
 
+    void archive(Archive& a);
     const Rotation& rotation(std::int32_t body) const { return body_[body].rotation; }
     /// [n_nodes] the body of a node of the mesh, or -1.
     const std::vector<std::int32_t>& body_of_node() const { return body_of_node_; }

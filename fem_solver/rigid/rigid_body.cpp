@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "checkpoint/archive.hpp"
 #include "fem_solver/rigid/rotation.hpp"
 
 namespace undertow::fem {
@@ -286,6 +287,27 @@ double RigidBody::omega2_on_springs(const std::vector<Vec3>& x,
         }
     return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, M, Eigen::EigenvaluesOnly)
         .eigenvalues()[5];
+}
+
+void RigidBody::archive(Archive& a) {
+    State& s = *s_;
+    for (const auto& [name, v] : {std::pair("center", &s.center), {"v", &s.v}, {"L", &s.L},
+                                  {"w", &s.w}, {"driven_v", &s.driven_v},
+                                  {"driven_w", &s.driven_w},
+                                  {"contact_force", &s.contact_force},
+                                  {"contact_moment", &s.contact_moment},
+                                  {"center_from", &s.center_from},
+                                  {"contact_force_from", &s.contact_force_from},
+                                  {"contact_moment_from", &s.contact_moment_from},
+                                  {"weight_point_from", &s.weight_point_from}})
+        a.fixed(name, v->data(), 3);
+    a("drive_force", s.driven.force.force);
+    a("drive_moment", s.driven.force.moment);
+    a("drive_power_before", s.driven.power_before);
+    a("drive_power_after", s.driven.power_after);
+    a.fixed("turned", s.turned.coeffs().data(), 4);
+    a.fixed("turned_from", s.turned_from.coeffs().data(), 4);
+    a.fixed("step_turn", s.step_turn.data(), 9);
 }
 
 const RigidSet& RigidBody::set() const {

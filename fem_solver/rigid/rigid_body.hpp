@@ -60,6 +60,7 @@ class RigidBody {
     /// From here on displacement, rotation, work of the weight and contact() count from now.
     void count_from_here();
 
+    void archive(Archive& a);
     const RigidSet& set() const;
     double mass() const;                    // [kg] with what was added
     Vec3 center() const;                    // [m] of mass, now

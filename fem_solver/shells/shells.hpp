@@ -44,6 +44,7 @@ class Shells final : public ElementGroup {
     void write_face_stress(std::span<double> top, std::span<double> bottom) const override;
     /// The largest of the points through the thickness.
     void write_plastic_strain(std::span<double> strain) const override;
+    void archive(Archive& a) override;
 
     const TurningNodes& turning() const { return turning_; }
     TurningNodes& turning() { return turning_; }

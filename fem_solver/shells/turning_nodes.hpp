@@ -30,6 +30,7 @@ struct TurningNodes {
     void stop();
     /// No turn about x, y or z (0, 1, 2) of a node of the mesh; nothing where it does not turn.
     void hold(std::int32_t node_of_mesh, int axis);
+    void archive(Archive& a);
 };
 
 /// At rest; inertia [kg m2] of each, in the order of `node`.

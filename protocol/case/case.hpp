@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "case/expression.hpp"
@@ -44,6 +45,16 @@ struct StartSettings {                   // [start]
 struct OutputSettings {
     double fields_every = 0.02;          // [s] particle and mesh fields
     double history_every = 0;            // [s] forces, energies, gauges; 0 = 1/2000 of time.end
+};
+
+/// State on the disk to resume from. With the table there, SIGTERM and Ctrl-C end a run with one.
+struct CheckpointSettings {              // [checkpoint]
+    bool present = false;
+    double every = 0;                    // [s] simulated time between two; 0 = none
+    double every_wall = 0;               // [s] wall time between two; 0 = none
+    bool on_interrupt = true;            // one when the user ends the run
+    bool at_end = false;                 // one at time.end, to go on with a later end
+    int keep = 2;                        // sets that stay, the oldest go first
 };
 
 // ---------------------------------------------------------------- [sph]
@@ -447,9 +458,12 @@ struct Case {
     TimeSettings time;
     StartSettings start;
     OutputSettings output;
+    CheckpointSettings checkpoint;
     SphSettings sph;
     FemSettings fem;
     CouplingSettings coupling;
+    /// Every key as written, with its value: level, variants and --set laid over.
+    std::vector<std::pair<std::string, std::string>> written;
 };
 
 }  // namespace undertow

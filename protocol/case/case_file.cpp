@@ -6,6 +6,7 @@
 #include "case/layers.hpp"
 #include "case/resolved_case.hpp"
 #include "case/sections.hpp"
+#include "case/written_keys.hpp"
 
 namespace undertow {
 
@@ -57,6 +58,7 @@ ResolvedCase resolve_case(const std::string& path, const CaseOptions& options) {
     resolved.variants = layer_names(document, "variant");
     const Node root = resolve_layers(document, options);
 
+    c.written = written_keys(root);
     TableReader reader(root, "");
     reader.require("case", "[case] with a name");
     reader.require("time", "[time] with an end");
@@ -64,6 +66,7 @@ ResolvedCase resolve_case(const std::string& path, const CaseOptions& options) {
     reader.table("time", [&](TableReader& r) { read_time(r, c.time); });
     reader.table("start", [&](TableReader& r) { read_start(r, c.start); });
     reader.table("output", [&](TableReader& r) { read_output(r, c.output); });
+    reader.table("checkpoint", [&](TableReader& r) { read_checkpoint(r, c.checkpoint); });
     reader.table("sph", [&](TableReader& r) { read_sph(r, c.sph, c.info); });
     reader.table("fem", [&](TableReader& r) { read_fem(r, c.fem, c.info, c.folder); });
     const bool has_coupling =

@@ -390,6 +390,13 @@ std::string case_json(const ResolvedCase& resolved) {
     j["start"] = {{"settle", c.start.settle}, {"damping", c.start.damping}};
     j["output"] = {{"fields_every", c.output.fields_every},
                    {"history_every", c.output.history_every}};
+    j["checkpoint"] = nullptr;
+    if (c.checkpoint.present)
+        j["checkpoint"] = {{"every", c.checkpoint.every},
+                           {"every_wall", c.checkpoint.every_wall},
+                           {"on_interrupt", c.checkpoint.on_interrupt},
+                           {"at_end", c.checkpoint.at_end},
+                           {"keep", c.checkpoint.keep}};
     j["sph"] = c.sph.present ? Json(c.sph) : Json(nullptr);
     j["fem"] = c.fem.present ? Json(c.fem) : Json(nullptr);
     j["coupling"] = resolved.coupled ? Json(c.coupling) : Json(nullptr);

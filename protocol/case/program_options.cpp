@@ -36,6 +36,8 @@ int run_program(int argc, char** argv, const Program& program) {
                        "where to listen: ipc:///folder/coupler.sock or tcp://127.0.0.1:port")
             ->required();
     }
+    app.add_option("--resume", options.resume,
+                   "go on from this set: DIR/checkpoints/STEP, with the same case and DIR");
     app.add_flag("--quiet", options.quiet, "no live line");
     try {
         app.parse(argc, argv);
@@ -61,7 +63,8 @@ Case open_case(ProgramOptions& options, const std::string& program) {
     if (failed)
         throw InputError("--out: cannot make the folder " + options.folder + ": " +
                          failed.message() + ".");
-    open_log(options.folder + "/" + program + ".log", program);
+    open_log(options.folder + "/" + program + ".log", program,
+             options.resume.empty() ? LogStart::fresh : LogStart::continued);
     return input;
 }
 

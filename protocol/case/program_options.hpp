@@ -2,8 +2,9 @@
 // The command line that all three programs share.
 //
 //     sph_solver CASE --out DIR [--level L] [--with V]... [--set key=value]...
-//                (--alone | --coupler ENDPOINT) [--threads N] [--quiet]
+//                (--alone | --coupler ENDPOINT) [--threads N] [--resume SET] [--quiet]
 //     coupler    CASE --out DIR --endpoint ENDPOINT [--level L] [--with V]... [--set key=value]...
+//                [--resume SET]
 
 #include <functional>
 #include <string>
@@ -20,6 +21,7 @@ struct ProgramOptions {
     std::string folder;      // of the results; empty = results/NAME
     std::string endpoint;    // of the coupler; empty = alone
     int threads = 0;         // 0 = the program's own choice
+    std::string resume;      // a set of checkpoints to go on from; empty = from the start
     bool quiet = false;
 };
 

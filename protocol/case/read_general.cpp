@@ -52,6 +52,15 @@ void read_output(TableReader& reader, OutputSettings& output) {
     reader.number("history_every", output.history_every, at_least(0, "s"));
 }
 
+void read_checkpoint(TableReader& reader, CheckpointSettings& checkpoint) {
+    checkpoint.present = true;
+    reader.number("every", checkpoint.every, at_least(0, "s"));
+    reader.number("every_wall", checkpoint.every_wall, at_least(0, "s"));
+    reader.flag("on_interrupt", checkpoint.on_interrupt);
+    reader.flag("at_end", checkpoint.at_end);
+    reader.whole("keep", checkpoint.keep, 1, 1000);
+}
+
 void read_coupling(TableReader& reader, CouplingSettings& coupling) {
     reader.choice<StiffnessLaw>("law", coupling.law,
                                 {{"fluid", StiffnessLaw::fluid}, {"eq11", StiffnessLaw::eq11}});

@@ -10,6 +10,7 @@ void read_info(TableReader& reader, CaseInfo& info);
 void read_time(TableReader& reader, TimeSettings& time);
 void read_start(TableReader& reader, StartSettings& start);
 void read_output(TableReader& reader, OutputSettings& output);
+void read_checkpoint(TableReader& reader, CheckpointSettings& checkpoint);
 void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info);
 /// The ends of the fluid's world: sph.periodic, sph.inflow, sph.outflow, sph.absorbing.
 void read_sph_ends(TableReader& reader, SphSettings& sph, const CaseInfo& info);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "checkpoint/archive.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
 
@@ -63,6 +64,10 @@ AgreedStep StepAgreement::agree(double t, const std::vector<StepOffer>& offers) 
         limiter = "output";
     }
     return {dt, t + dt, limiter, false, false};
+}
+
+void StepAgreement::archive(Archive& a) {
+    a("last_free_dt", last_free_dt_);  // output times are found anew
 }
 
 }  // namespace undertow

@@ -22,6 +22,8 @@ struct AgreedStep {
     bool last;              // t1 is time.end
 };
 
+class Archive;
+
 /// dt = min over offers, time.max_step and growth * last dt, then fitted so that steps land exactly
 /// on the multiples of output.fields_every and on time.end (the interval left is divided evenly over
 /// its last steps, so that no sliver step appears; a step cut short for that does not slow the
@@ -31,6 +33,7 @@ class StepAgreement {
  public:
     StepAgreement(const TimeSettings& time, double fields_every);
     AgreedStep agree(double t, const std::vector<StepOffer>& offers);
+    void archive(Archive& a);
 
  private:
     TimeSettings time_;

@@ -9,7 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "results/file_start.hpp"
+
 namespace undertow {
+
+class Archive;
 
 /// One field of an output step. `components` is 1, 3 or 6 (xx yy zz xy yz zx).
 struct Field {
@@ -23,14 +27,17 @@ struct Field {
 class ParticleFile {
  public:
     /// `path` without extension: writes path.vtkhdf and path.xdmf; replaces what was there.
-    explicit ParticleFile(const std::string& path);
+    explicit ParticleFile(const std::string& path, FileStart start = FileStart::fresh);
     /// x [m] (n, 3); ids (n). Fields must be the same set at every step.
     void append(double t, std::span<const double> x, std::span<const std::int64_t> id,
                 const std::vector<Field>& fields);
     std::string hdf_path() const;
     int steps() const;
+    void archive(Archive& a);  // what has been written so far
 
  private:
+    void write_index() const;
+
     std::string path_;
     std::vector<double> times_;
     std::vector<std::int64_t> counts_;
@@ -51,14 +58,18 @@ struct MeshCells {
 /// A mesh with fixed connectivity; positions move.
 class MeshFile {
  public:
-    MeshFile(const std::string& path, std::size_t nodes, const MeshCells& cells);
+    MeshFile(const std::string& path, std::size_t nodes, const MeshCells& cells,
+             FileStart start = FileStart::fresh);
     /// x [m] (nodes, 3) deformed positions.
     void append(double t, std::span<const double> x, const std::vector<Field>& point_fields,
                 const std::vector<Field>& cell_fields);
     std::string hdf_path() const;
     int steps() const;
+    void archive(Archive& a);  // what has been written so far
 
  private:
+    void write_index() const;
+
     std::string path_;
     std::size_t nodes_, cells_;
     std::size_t mixed_words_ = 0;      // length of /Views/Cells; 0 = hexahedra alone

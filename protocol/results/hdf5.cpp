@@ -16,20 +16,6 @@ namespace undertow::hdf5 {
 
 namespace {
 
-/// HDF5 prints a stack of its own on every failure; ours is one sentence. What could not be written
-/// is not tried again when the program exits: the library would crash there.
-void silence_library() {
-    H5dont_atexit();
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-/// Without locks: HDF5 1.10 would refuse to append while somebody looks at the file.
-Handle access_without_locks() {
-    Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    H5Pset_file_locking(access, false, true);
-    return access;
-}
-
 /// Sets blocks aside behind the end of the file, which HDF5 then grows into. Returns errno, or 0.
 int set_aside(const std::string& path, std::uint64_t room) {
     const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
@@ -49,25 +35,33 @@ int set_aside(const std::string& path, std::uint64_t room) {
 
 }  // namespace
 
+Handle access_without_locks() {
+    H5dont_atexit();
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // ours is one sentence
+    Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_file_locking(access, false, true);
+    return access;
+}
+
 File::File(std::string path, hid_t id) : path_(std::move(path)), id_(id, H5Fclose) {
     if (id < 0) fail("cannot be opened for writing");
 }
 
 File File::create(const std::string& path) {
-    silence_library();
+    const Handle access = access_without_locks();
     // A new file, not a truncated one: whoever still reads the old file keeps it.
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
-    return File(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_without_locks()));
+    return File(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access));
 }
 
 File File::append(const std::string& path, std::uint64_t room) {
-    silence_library();
+    const Handle access = access_without_locks();
     if (const int error = set_aside(path, room))
         throw FileError(path + ": there is no room for the " + std::to_string(room / 1024) +
                         " kB of the next output (" + std::strerror(error) +
                         "); check that the disk is not full. The outputs before are whole.");
-    return File(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, access_without_locks()));
+    return File(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, access));
 }
 
 void File::close() {

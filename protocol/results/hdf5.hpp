@@ -34,6 +34,12 @@ class Handle {
     herr_t (*close_)(hid_t) = nullptr;
 };
 
+/// How files are opened: without locks, HDF5 1.10 would refuse to append while somebody looks at the
+/// file. To be called before anything else of the library, which it keeps from printing a stack of its
+/// own on every failure, and from trying again, when the program exits, what could not be written: it
+/// would crash there.
+Handle access_without_locks();
+
 /// A file open for writing. Default library version and no locks: a reader may look at a running
 /// case, and a file whose writer was killed opens without repair.
 class File {

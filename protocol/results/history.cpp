@@ -20,14 +20,17 @@ constexpr std::size_t enough_rows = 32 * 1024;  // [byte] that wait before they 
 }
 
 History::History(const std::string& path, const std::vector<std::string>& notes,
-                 const std::vector<std::string>& columns)
+                 const std::vector<std::string>& columns, FileStart start)
     : path_(path),
-      file_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)),
+      file_(start == FileStart::fresh
+                ? open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)
+                : open(path.c_str(), O_WRONLY | O_CLOEXEC)),
       columns_(columns.size()) {
     if (file_ < 0)
         throw FileError(path + " could not be written: " + std::strerror(errno) +
                         "; check that its folder exists and can be written.");
     rows_.reserve(2 * enough_rows);
+    if (start == FileStart::continued) return;
     for (const std::string& note : notes) rows_ += "# " + note + "\n";
     for (std::size_t i = 0; i < columns.size(); ++i) rows_ += (i == 0 ? "" : ",") + columns[i];
     rows_ += '\n';

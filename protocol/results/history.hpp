@@ -6,13 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "results/file_start.hpp"
+
 namespace undertow {
+
+class Archive;
 
 class History {
  public:
     /// columns like "t [s]"; notes become '#' lines. Creates the file at once (InputError if not).
     History(const std::string& path, const std::vector<std::string>& notes,
-            const std::vector<std::string>& columns);
+            const std::vector<std::string>& columns, FileStart start = FileStart::fresh);
     ~History();
     History(History&&) noexcept;
     History(const History&) = delete;
@@ -21,6 +25,7 @@ class History {
     /// second of wall time and by flush(), so that a killed run or a full disk leaves whole rows.
     void row(std::span<const double> values);
     void flush();
+    void archive(Archive& a);  // how long the file is
 
  private:
     int write_rows() noexcept;
@@ -42,6 +47,7 @@ class HistoryTimes {
 
     /// Asked once per step, with rising t [s]; true when the step deserves a row.
     bool due(double t);
+    void archive(Archive& a, double t);  // t [s]: now
 
  private:
     double every_;  // [s]

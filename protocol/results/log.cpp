@@ -37,10 +37,11 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
 
 }  // namespace
 
-void open_log(const std::string& path, const std::string& program) {
+void open_log(const std::string& path, const std::string& program, LogStart start) {
     try {
         file_log = std::make_shared<spdlog::logger>(
-            program, std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, true));
+            program, std::make_shared<spdlog::sinks::basic_file_sink_mt>(
+                         path, start == LogStart::fresh));
     } catch (const spdlog::spdlog_ex& error) {
         throw InputError("the log " + path + " could not be written (" + error.what() +
                          "); check that its folder exists and can be written.");

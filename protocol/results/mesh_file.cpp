@@ -73,8 +73,10 @@ std::size_t write_topology(hdf5::File& file, std::size_t nodes, const MeshCells&
 
 }  // namespace
 
-MeshFile::MeshFile(const std::string& path, std::size_t nodes, const MeshCells& cells)
+MeshFile::MeshFile(const std::string& path, std::size_t nodes, const MeshCells& cells,
+                   FileStart start)
     : path_(path), nodes_(nodes), cells_(cells.count()) {
+    if (start == FileStart::continued) return;
     hdf5::File file = hdf5::File::create(hdf_path());
     vtkhdf::create_root(file, "UnstructuredGrid");
     mixed_words_ = write_topology(file, nodes, cells);
@@ -126,6 +128,10 @@ void MeshFile::append(double t, std::span<const double> x, const std::vector<Fie
     file.close();
 
     times_.push_back(t);
+    write_index();
+}
+
+void MeshFile::write_index() const {
     const std::string name = hdf_path().substr(hdf_path().find_last_of('/') + 1);
     write_xdmf(path_ + ".xdmf",
                {name, static_cast<std::int64_t>(cells_), times_,

@@ -51,7 +51,8 @@ std::int64_t append_topology(hdf5::File& file, std::int64_t n) {
 
 }  // namespace
 
-ParticleFile::ParticleFile(const std::string& path) : path_(path) {
+ParticleFile::ParticleFile(const std::string& path, FileStart start) : path_(path) {
+    if (start == FileStart::continued) return;
     hdf5::File file = hdf5::File::create(hdf_path());
     vtkhdf::create_root(file, "PolyData");
     file.close();
@@ -110,6 +111,10 @@ void ParticleFile::append(double t, std::span<const double> x, std::span<const s
 
     times_.push_back(t);
     counts_.push_back(static_cast<std::int64_t>(n));
+    write_index();
+}
+
+void ParticleFile::write_index() const {
     const std::string name = hdf_path().substr(hdf_path().find_last_of('/') + 1);
     write_xdmf(path_ + ".xdmf", {name, 0, times_, counts_, layout_, {}, true});
 }

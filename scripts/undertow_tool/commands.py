@@ -22,11 +22,8 @@ def say(text):
 
 
 def run(arguments):
-    from .join import join_energy, join_summaries
-    from .launch import how_it_ended, last_words, run_programs, split_threads
-    from .report import run_report
+    from .launch import split_threads
     from .results_folder import describe_run, prepare, write_json
-    from .table import print_report
 
     options = cases.layer_options(arguments)
     case = cases.resolve(arguments.case, options)
@@ -40,7 +37,8 @@ def run(arguments):
     threads = arguments.threads or cores()
     out = (Path(arguments.out) if arguments.out else RESULTS / cases.result_name(case, arguments)).absolute()
     told = prepare(out, arguments.force)
-    write_json(out / "run.json", describe_run(sys.argv, threads))
+    write_json(out / "run.json", {**describe_run(sys.argv, threads), "folder": os.getcwd(),
+                                  "case": str(Path(case["file"]).resolve())})
     write_json(out / "case.json", case)
 
     if not arguments.quiet:
@@ -53,8 +51,35 @@ def run(arguments):
             share = split_threads(threads, ["coupler", "sph_solver", "fem_solver"])
             say(f"threads: sph_solver {share['sph_solver']}, fem_solver {share['fem_solver']}, coupler 1 "
                 "(OpenMP waits passively)")
+    return carry_out(case, out, arguments, threads, arguments.quiet)
 
-    outcome = run_programs(case, options, out, threads, arguments.fem, arguments.quiet)
+
+def resume(arguments):
+    from .resume import Notes, take_up
+
+    out = results_of(arguments.target)
+    notes = Notes(out)
+    began, case, folder, threads = take_up(out, arguments, parser())
+    if not arguments.quiet:
+        say(f"{case['case']['title']}: goes on from {folder.name} in {shown(out)}")
+    try:
+        return carry_out(case, out, began, threads, arguments.quiet, resume=folder)
+    except RunFailed as failure:
+        if failure.code == INPUT:
+            notes.put_back()
+        raise
+
+
+def carry_out(case, out, arguments, threads, quiet, resume=None):
+    """Runs the programs, from a set of checkpoints if `resume` names one, and reports."""
+    from .join import join_energy, join_summaries
+    from .launch import how_it_ended, last_words, run_programs
+    from .report import run_report
+    from .results_folder import write_json
+    from .table import print_report
+
+    options = cases.layer_options(arguments) + (["--resume", str(resume)] if resume else [])
+    outcome = run_programs(case, options, out, threads, arguments.fem, quiet)
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": arguments.level,
                "variants": arguments.variants, "set": arguments.set, "ok": outcome.code == DONE,
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "threads": threads,
@@ -69,6 +94,8 @@ def run(arguments):
     if outcome.code == INTERRUPTED:
         write_json(out / "summary.json", summary)
         say(f"interrupted; what was computed is in {shown(out)}")
+        if any(out.glob("checkpoints/*/manifest.json")):
+            say(f"to go on: scripts/undertow resume {shown(out)}")
         return INTERRUPTED
     summary["checks"] = []
     write_json(out / "summary.json", summary)       # a report that fails must not cost the run
@@ -197,6 +224,16 @@ def parser():
     sub.add_argument("--fem", "--backend", metavar="PROGRAM", help="a program that stands in for fem_solver")
     sub.add_argument("--force", action="store_true", help="replace earlier results instead of moving them aside")
     sub.set_defaults(do=run)
+
+    sub = commands.add_parser("resume", help="go on with a run from its last checkpoint")
+    sub.add_argument("target", metavar="CASE|DIR", help="a result folder, or a case whose results are meant")
+    sub.add_argument("--from", dest="from_set", default="", metavar="SET",
+                     help="another checkpoint than the last: its folder, its name or its step")
+    sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+                     help="time.end, output.* and checkpoint.* may change")
+    sub.add_argument("--threads", type=positive, help="threads in all (default: as before)")
+    sub.add_argument("--quiet", action="store_true", help="no live line")
+    sub.set_defaults(do=resume)
 
     sub = commands.add_parser("check", parents=[layered], help="check a case and estimate its cost without running it")
     sub.set_defaults(do=check)
