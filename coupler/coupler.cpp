@@ -43,7 +43,7 @@ double largest_speed(std::span<const double> v) {
 Coupler::Coupler(const Case& input, const CouplerOptions& options)
     : input_(input),
       options_(options),
-      participants_(options.endpoint, input),
+      participants_(options.place, input),
       progress_(options.quiet, options.folder + "/status.json"),
       agreement_(input.time, input.output.fields_every) {
     log_info("waiting for participants at " + participants_.endpoint());

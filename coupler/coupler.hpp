@@ -19,8 +19,8 @@
 namespace undertow::coupler {
 
 struct CouplerOptions {
-    std::string folder;    // of the results
-    std::string endpoint;  // see wire::HostOptions
+    std::string folder;  // of the results
+    MeetingPlace place;
     bool quiet = false;
 };
 

@@ -14,7 +14,10 @@ int main(int argc, char** argv) {
              if (input.checkpoint.present || !options.resume.empty())
                  throw InputError(input.file + ": [checkpoint] and --resume work for fem_solver "
                                   "alone in this version; leave them out.");
-             const coupler::CouplerOptions own{options.folder, options.endpoint, options.quiet};
+             const coupler::CouplerOptions own{
+                 options.folder,
+                 {options.endpoint, options.keys, options.record ? options.folder : ""},
+                 options.quiet};
              return coupler::Coupler(input, own).run();
          }});
 }

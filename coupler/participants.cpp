@@ -14,13 +14,15 @@ double wall_seconds() {
         .count();
 }
 
-wire::HostOptions options_for(const std::string& endpoint, const Case& input) {
+wire::HostOptions options_for(const MeetingPlace& place, const Case& input) {
     wire::HostOptions options;
-    options.endpoint = endpoint;
+    options.endpoint = place.endpoint;
     options.join_timeout = input.coupling.join_timeout;
     options.deadline = input.coupling.deadline;
     options.shared_memory = input.coupling.transport == "shm";
     options.stop = stop_requested;
+    options.curve = place.keys;
+    options.record_in = place.record_in;
     options.welcome.t_end = input.time.end;
     options.welcome.contact_share = input.coupling.beta + 2 * input.coupling.damping;
     return options;
@@ -35,8 +37,8 @@ auto with_step(const wire::Message& message, Visit visit) {
 
 }  // namespace
 
-Participants::Participants(const std::string& endpoint, const Case& input)
-    : host_(options_for(endpoint, input)) {}
+Participants::Participants(const MeetingPlace& place, const Case& input)
+    : host_(options_for(place, input)) {}
 
 void Participants::join() {
     host_.wait_join();

@@ -20,11 +20,18 @@ struct Waits {
     double for_both = 0;
 };
 
+/// Where the programs of a run meet.
+struct MeetingPlace {
+    std::string endpoint;   // see wire::HostOptions
+    std::string keys;       // folder; empty = none
+    std::string record_in;  // folder of recordings; empty = none
+};
+
 class Participants {
  public:
     enum Role : std::size_t { particles = 0, surface = 1 };
 
-    Participants(const std::string& endpoint, const Case& input);
+    Participants(const MeetingPlace& place, const Case& input);
 
     /// HELLO, WELCOME and MESH of both.
     void join();

@@ -7,6 +7,7 @@
 #include "case/time_step.hpp"
 #include "checkpoint/own_checkpoints.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
+#include "results/log.hpp"
 #include "results/stop_signal.hpp"
 #include "wire/errors.hpp"
 #include "wire/participant.hpp"
@@ -75,13 +76,14 @@ constexpr double mass_of_immobile = 1e12;  // [kg]
 
 class Coupled final : public Link {
  public:
-    Coupled(const Case& c, const std::string& endpoint)
+    Coupled(const Case& c, const std::string& endpoint, const std::string& keys)
         : participant_({.endpoint = endpoint,
                         .name = "fem",
                         .role = "surface",
                         .capabilities = {},
                         .software = "undertow fem_solver " UNDERTOW_VERSION,
                         .join_timeout = c.coupling.join_timeout,
+                        .curve = keys,
                         .stop = stop_requested}) {
         if (c.fem.surface.empty())
             throw InputError(c.file + ": a coupled run needs at least one [[fem.surface]].");
@@ -164,7 +166,11 @@ class Coupled final : public Link {
         participant_.send(std::move(ack));
     }
     void archive(Archive& a) override { a("work", work_); }
-    void say_goodbye(std::int64_t n) override { participant_.say_goodbye(n); }
+    void say_goodbye(std::int64_t n) override {
+        participant_.say_goodbye(n);
+        if (const std::string verdict = participant_.replay_verdict(); !verdict.empty())
+            log_info(verdict);
+    }
     void report_error(const std::string& code, const std::string& text) noexcept override {
         participant_.report_error(code, text);
     }
@@ -183,8 +189,9 @@ std::unique_ptr<Link> run_alone(const Case& c, const std::string& folder) {
     return std::make_unique<Alone>(c, folder);
 }
 
-std::unique_ptr<Link> join_coupler(const Case& c, const std::string& endpoint) {
-    return std::make_unique<Coupled>(c, endpoint);
+std::unique_ptr<Link> join_coupler(const Case& c, const std::string& endpoint,
+                                   const std::string& keys) {
+    return std::make_unique<Coupled>(c, endpoint, keys);
 }
 
 }  // namespace undertow::fem

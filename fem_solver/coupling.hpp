@@ -47,6 +47,8 @@ class Link {
 std::unique_ptr<Link> run_alone(const Case& c, const std::string& folder);
 /// Connects to the coupler at `endpoint` and shakes hands. PeerError if it does not answer,
 /// InputError if the case has no [[fem.surface]] or fem.cfl leaves no room for contact.
-std::unique_ptr<Link> join_coupler(const Case& c, const std::string& endpoint);
+/// keys: a folder, see wire/curve_keys.hpp; empty = none.
+std::unique_ptr<Link> join_coupler(const Case& c, const std::string& endpoint,
+                                   const std::string& keys = {});
 
 }  // namespace undertow::fem

@@ -136,7 +136,8 @@ int join_and_run(ProgramOptions options) {
             trouble = std::current_exception();
         }
     const std::unique_ptr<Link> link =
-        options.endpoint.empty() ? run_alone(c, options.folder) : join_coupler(c, options.endpoint);
+        options.endpoint.empty() ? run_alone(c, options.folder)
+                                 : join_coupler(c, options.endpoint, options.keys);
     try {
         if (trouble) std::rethrow_exception(trouble);
         if (!prepared.structure) prepared = prepare(c, options);

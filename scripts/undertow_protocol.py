@@ -19,6 +19,7 @@ names of docs/protocol.md (numpy arrays, SI units). Needs pyzmq, msgpack and num
 """
 import dataclasses
 import math
+import pathlib
 import time
 
 import msgpack
@@ -36,6 +37,9 @@ MAX_MESSAGE = 512 << 20     # [byte] per frame
 (HELLO, WELCOME, MESH, MESH_ACK, STATE, FORCE, CHECKPOINT, CHECKPOINT_ACK, FINISH, BYE, ERROR,
  PROGRESS) = range(1, 13)
 ACTIVE, PROBE, SURFACE = 14, 15, 16
+
+HANDSHAKE_FAILED = (zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+                    | zmq.EVENT_HANDSHAKE_FAILED_AUTH)
 
 STATE_STOP = 1      # STATE, PROBE: the user asked this participant to stop
 FORCE_PROBE = 1     # FORCE: answer the next step with PROBE
@@ -203,6 +207,15 @@ def checksum(mesh):
     return f"{total:016x}"
 
 
+def read_key(folder, file):
+    """{"public": ..., "secret": ...} of a key file."""
+    try:
+        words = (pathlib.Path(folder) / file).read_text(encoding="ascii").split()
+    except OSError as error:
+        raise ValueError(f"a key is missing: {error}; make keys with `undertow keys FOLDER`") from None
+    return {name: key.encode() for name, key in zip(words[::2], words[1::2])}
+
+
 # ---------------------------------------------------------------- the solver's end of the link
 
 @dataclasses.dataclass
@@ -219,24 +232,30 @@ class Participant:
     """HELLO on construction; then announce(), the steps, say_goodbye(). Every wait has an end."""
 
     def __init__(self, endpoint, name, role, software="", capabilities=(), join_timeout=60,
-                 stop=lambda: False):
-        """stop: asked until the first step; true ends the run with E_STOP (the user's Ctrl-C)."""
+                 stop=lambda: False, keys=None):
+        """keys: folder made by `undertow keys`, for a coupler on another host.
+        stop: asked until the first step; true ends the run with E_STOP (the user's Ctrl-C)."""
         self.endpoint, self.name, self.role = endpoint, name, role
         self.session, self.n, self.t = 0, 0, None
         self.rows = 0            # of STATE and FORCE: all nodes, or the active particles
         self.waited = 0.0        # [s] in wait_reply()
         self._ended = self._lost = self._active_due = False
         self._stop = stop
-        if not endpoint.startswith(("ipc://", "tcp://127.0.0.1:")):
+        if not endpoint.startswith(("ipc://", "tcp://" if keys else "tcp://127.0.0.1:")):
             raise ValueError(f"endpoint '{endpoint}' is neither ipc://... nor tcp://127.0.0.1:PORT; "
-                             "remote endpoints need CURVE keys, which this version does not offer")
+                             "remote endpoints need CURVE keys: make some with `undertow keys FOLDER`")
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
         for option, value in ((zmq.LINGER, 0), (zmq.SNDHWM, 16), (zmq.RCVHWM, 16),
                               (zmq.RECONNECT_IVL, 20),
                               (zmq.RECONNECT_IVL_MAX, 200), (zmq.MAXMSGSIZE, MAX_MESSAGE)):
             self._socket.setsockopt(option, value)
-        self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        self._has_keys = bool(keys) and endpoint.startswith("tcp://")
+        if self._has_keys:
+            own = read_key(keys, name + ".key")
+            self._socket.curve_publickey, self._socket.curve_secretkey = own["public"], own["secret"]
+            self._socket.curve_serverkey = read_key(keys, "coupler.pub")["public"]
+        self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED | HANDSHAKE_FAILED)
         self._poller = zmq.Poller()
         self._poller.register(self._socket, zmq.POLLIN)
         self._poller.register(self._monitor, zmq.POLLIN)
@@ -423,7 +442,14 @@ class Participant:
 
     def _is_lost(self):
         while self._monitor.poll(0):
-            recv_monitor_message(self._monitor)
+            if recv_monitor_message(self._monitor)["event"] & HANDSHAKE_FAILED and not self.session:
+                self._ended = True
+                self.close()
+                raise PeerError("E_KEY", f"the coupler at {self.endpoint} does not take this program's "
+                                         "key, or is not the one of coupler.pub; copy the keys of one "
+                                         "run of `undertow keys` to all hosts" if self._has_keys else
+                                f"the coupler at {self.endpoint} closes the connection at the "
+                                "greeting; if it has keys (--keys), this program needs them too")
             self._lost = True
         return self._lost
 

@@ -47,13 +47,14 @@ class LonelyLink : public Link {
 /// Particles near the surfaces, in the order agreed with the coupler.
 class CoupledLink : public Link {
  public:
-    CoupledLink(const Case& input, const std::string& endpoint)
+    CoupledLink(const Case& input, const std::string& endpoint, const std::string& keys)
         : participant_({.endpoint = endpoint,
                         .name = "sph",
                         .role = "particles",
                         .capabilities = {},
                         .software = "undertow sph_solver " UNDERTOW_VERSION,
                         .join_timeout = input.coupling.join_timeout,
+                        .curve = keys,
                         .stop = stop_requested}),
           flat_(input.info.dimension == 2),
           middle_(flat_ ? 0.5 * input.info.thickness : 0) {
@@ -91,6 +92,8 @@ class CoupledLink : public Link {
             order.finished = true;
             order.interrupted = reply.finish->reason == "interrupted";
             participant_.say_goodbye(reply.finish->n);
+            if (const std::string verdict = participant_.replay_verdict(); !verdict.empty())
+                log_info(verdict);
             return order;
         }
         const wire::Force& force = *reply.force;
@@ -210,8 +213,9 @@ std::unique_ptr<Link> make_lonely_link(const Case& input) {
     return std::make_unique<LonelyLink>(input);
 }
 
-std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint) {
-    return std::make_unique<CoupledLink>(input, endpoint);
+std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint,
+                                        const std::string& keys) {
+    return std::make_unique<CoupledLink>(input, endpoint, keys);
 }
 
 }  // namespace undertow::sph

@@ -40,6 +40,8 @@ class Link {
 };
 
 std::unique_ptr<Link> make_lonely_link(const Case& input);
-std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint);
+/// keys: a folder, see wire/curve_keys.hpp; empty = none.
+std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint,
+                                        const std::string& keys = {});
 
 }  // namespace undertow::sph

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
              if (input.checkpoint.present || !options.resume.empty())
                  throw InputError(input.file + ": [checkpoint] and --resume work for fem_solver "
                                   "alone in this version; leave them out.");
-             return sph::run(input, {options.folder, options.endpoint, options.threads, options.quiet});
+             return sph::run(input, {options.folder, options.endpoint, options.threads, options.quiet,
+                                     options.keys});
          }});
 }

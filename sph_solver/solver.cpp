@@ -93,7 +93,7 @@ int run(const Case& input, const SolverOptions& options) {
     const double cfl = acoustic_cfl(input.sph);
     const double c0 = fluid.largest_sound_speed();
     std::unique_ptr<Link> link =
-        alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint);
+        alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint, options.keys);
     Recorder recorder(input, options.folder, alone);
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",

@@ -12,6 +12,7 @@ struct SolverOptions {
     std::string endpoint;    // of the coupler; empty = alone
     int threads = 0;         // 0 = all
     bool quiet = false;
+    std::string keys;        // folder of keys for a coupler on another host; empty = none
 };
 
 /// Runs the case to its end. Returns exit_done or exit_interrupted; throws InputError, PeerError,

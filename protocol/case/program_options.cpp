@@ -27,17 +27,22 @@ int run_program(int argc, char** argv, const Program& program) {
         auto* where = app.add_option_group("where", "alone or coupled");
         where->add_flag("--alone", alone, "without a coupler");
         where->add_option("--coupler", options.endpoint,
-                          "endpoint of the coupler, ipc:// or tcp://");
+                          "endpoint of the coupler, ipc:// or tcp://, or replay://FILE");
         where->require_option(1);
         app.add_option("--threads", options.threads, "default: all cores alone, one when coupled")
             ->check(CLI::PositiveNumber);
     } else {
         app.add_option("--endpoint", options.endpoint,
-                       "where to listen: ipc:///folder/coupler.sock or tcp://127.0.0.1:port")
+                       "where to listen: ipc:///folder/coupler.sock, tcp://127.0.0.1:port, or with --keys "
+                       "tcp://address:port")
             ->required();
+        app.add_flag("--record", options.record,
+                     "write the sessions to recording.NAME.utow, to be replayed");
     }
     app.add_option("--resume", options.resume,
                    "go on from this set: DIR/checkpoints/STEP, with the same case and DIR");
+    app.add_option("--keys", options.keys,
+                   "folder of keys for other hosts, made by `undertow keys`");
     app.add_flag("--quiet", options.quiet, "no live line");
     try {
         app.parse(argc, argv);

@@ -2,9 +2,10 @@
 // The command line that all three programs share.
 //
 //     sph_solver CASE --out DIR [--level L] [--with V]... [--set key=value]...
-//                (--alone | --coupler ENDPOINT) [--threads N] [--resume SET] [--quiet]
-//     coupler    CASE --out DIR --endpoint ENDPOINT [--level L] [--with V]... [--set key=value]...
-//                [--resume SET]
+//                (--alone | --coupler ENDPOINT [--keys FOLDER]) [--threads N] [--resume SET]
+//                [--quiet]
+//     coupler    CASE --out DIR --endpoint ENDPOINT [--keys FOLDER] [--record] [--level L]
+//                [--with V]... [--set key=value]... [--resume SET] [--quiet]
 
 #include <functional>
 #include <string>
@@ -20,6 +21,8 @@ struct ProgramOptions {
     CaseOptions layers;
     std::string folder;      // of the results; empty = results/NAME
     std::string endpoint;    // of the coupler; empty = alone
+    std::string keys;        // folder, see wire/curve_keys.hpp; empty = none
+    bool record = false;     // coupler: the sessions go to recording.NAME.utow
     int threads = 0;         // 0 = the program's own choice
     std::string resume;      // a set of checkpoints to go on from; empty = from the start
     bool quiet = false;

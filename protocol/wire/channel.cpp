@@ -31,6 +31,9 @@ constexpr std::size_t copy_below = 16 * 1024;  // [byte] of arrays; moving pays 
 constexpr int heartbeat_interval = 5000;  // [ms]
 constexpr int heartbeat_timeout = 60000;  // [ms]
 
+constexpr int refused = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                        ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -57,7 +60,8 @@ void keep_large_blocks() {
 
 }  // namespace
 
-Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message)
+Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message,
+                 const CurveKeys* keys)
     : context_(1),
       socket_(context_, end == End::solver ? zmq::socket_type::dealer : zmq::socket_type::router),
       monitor_(context_, zmq::socket_type::pair),
@@ -72,6 +76,7 @@ Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message
     if (endpoint.starts_with("tcp://")) {
         socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat_interval);
         socket_.set(zmq::sockopt::heartbeat_timeout, heartbeat_timeout);
+        if (keys) lock_with(*keys);
     }
     if (end == End::solver) {
         // Not ZMQ_IMMEDIATE: with it libzmq throws away what has come but has not been read when
@@ -82,7 +87,7 @@ Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message
         socket_.set(zmq::sockopt::router_mandatory,
                     true);  // a lost receiver is an error, not silence
     }
-    const int events = ZMQ_EVENT_CONNECTED | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
+    const int events = ZMQ_EVENT_CONNECTED | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | refused;
     monitor_.set(zmq::sockopt::linger, 0);
     if (zmq_socket_monitor(socket_.handle(), "inproc://monitor", events) != 0) {
         throw PeerError("E_IO",
@@ -106,6 +111,26 @@ Channel::Channel(End end, const std::string& endpoint, std::uint64_t max_message
         throw PeerError("E_IO", "cannot open the endpoint " + endpoint + ": " + error.what());
     }
     endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
+}
+
+void Channel::lock_with(const CurveKeys& keys) {
+    if (!zmq_has("curve"))
+        throw InputError("this machine's ZeroMQ library has no CURVE; install one that has.");
+    socket_.set(zmq::sockopt::curve_publickey, keys.own_public);
+    socket_.set(zmq::sockopt::curve_secretkey, keys.own_secret);
+    if (end_ == End::solver) {
+        socket_.set(zmq::sockopt::curve_serverkey, keys.coupler);
+        return;
+    }
+    gatekeeper_.start(context_, keys.friends);
+    socket_.set(zmq::sockopt::zap_domain, "undertow");
+    socket_.set(zmq::sockopt::curve_server, true);
+}
+
+std::string Channel::key_holder(const Packet& packet) {
+    if (packet.n_frames == 0) return {};
+    const char* name = zmq_msg_gets(const_cast<zmq_msg_t*>(packet.frames[0].handle()), "User-Id");
+    return name ? name : "";
 }
 
 Channel::~Channel() {
@@ -246,6 +271,7 @@ void Channel::drain_monitor() {
         std::memcpy(&kind, event.data<char>(), 2);
         std::memcpy(&connection, event.data<char>() + 2, 4);
         if (kind == ZMQ_EVENT_CONNECTED) connected_ = true;
+        if (kind & refused) ++handshakes_failed_;
         if (kind == ZMQ_EVENT_ACCEPTED) {
             open_.push_back(connection);
         } else if (kind == ZMQ_EVENT_DISCONNECTED) {

@@ -12,6 +12,8 @@
 #include <zmq.hpp>
 
 #include "wire/codec.hpp"
+#include "wire/curve_keys.hpp"
+#include "wire/gatekeeper.hpp"
 #include "wire/messages.hpp"
 #include "wire/segment.hpp"
 
@@ -37,7 +39,9 @@ class Channel {
 
     /// Connects (solver) or binds (coupler). Throws PeerError E_IO when the address cannot be
     /// bound.
-    Channel(End end, const std::string& endpoint, std::uint64_t max_message);
+    /// With keys a tcp connection is encrypted, and only friends get one.
+    Channel(End end, const std::string& endpoint, std::uint64_t max_message,
+            const CurveKeys* keys = nullptr);
     ~Channel();  // drops what has not been sent, unless linger() said otherwise
     Channel(const Channel&) = delete;
     Channel& operator=(const Channel&) = delete;
@@ -78,13 +82,20 @@ class Channel {
         return connected_;
     }
 
+    /// Connections that were refused for their keys, on either side, or broke before they were made.
+    int handshakes_failed() const { return handshakes_failed_; }
+    /// Whose key the sender of a packet has; empty without keys.
+    static std::string key_holder(const Packet& packet);
+
     std::uint64_t bytes_sent() const { return bytes_sent_; }
     std::uint64_t bytes_received() const { return bytes_received_; }
 
  private:
+    void lock_with(const CurveKeys& keys);
     void drain_monitor();
     bool send_frame(zmq::message_t& frame, bool more, double seconds, Sent& result);
 
+    Gatekeeper gatekeeper_;
     zmq::context_t context_;
     zmq::socket_t socket_;
     zmq::socket_t monitor_;
@@ -94,6 +105,7 @@ class Channel {
     Frames frames_;  // of the message being sent
     std::vector<int> open_, broken_;
     bool connected_ = false;
+    int handshakes_failed_ = 0;
     std::uint64_t bytes_sent_ = 0, bytes_received_ = 0;
 };
 

@@ -73,7 +73,7 @@ int lock_file(const std::string& path, const std::string& endpoint) {
 
 }  // namespace
 
-void check_endpoint(const std::string& endpoint) {
+void check_endpoint(const std::string& endpoint, Keys keys) {
     if (endpoint.starts_with(ipc_prefix)) {
         const std::string path = endpoint.substr(std::strlen(ipc_prefix));
         if (path.empty() || path[0] == '@' || path == "*" || path.ends_with('/')) {
@@ -91,17 +91,20 @@ void check_endpoint(const std::string& endpoint) {
     if (endpoint.starts_with(tcp_prefix)) {
         const std::string address = endpoint.substr(std::strlen(tcp_prefix));
         const std::size_t colon = address.rfind(':');
-        if (colon != std::string::npos && address.substr(0, colon) == "127.0.0.1") return;
+        if (colon != std::string::npos &&
+            (keys == Keys::curve || address.substr(0, colon) == "127.0.0.1"))
+            return;
         throw InputError("endpoint '" + endpoint +
-                         "' is refused: remote endpoints need CURVE keys, which this version does "
-                         "not offer. Use tcp://127.0.0.1:PORT or ipc:///folder/coupler.sock");
+                         "' is refused: beyond 127.0.0.1 anybody could listen and join without "
+                         "CURVE keys. Make some with `undertow keys FOLDER`, copy them to the hosts, "
+                         "and give every program --keys FOLDER");
     }
     throw InputError("endpoint '" + endpoint +
                      "' is unknown; use ipc:///folder/coupler.sock or tcp://127.0.0.1:PORT");
 }
 
-EndpointLock::EndpointLock(const std::string& endpoint) {
-    check_endpoint(endpoint);
+EndpointLock::EndpointLock(const std::string& endpoint, Keys keys) {
+    check_endpoint(endpoint, keys);
     if (!endpoint.starts_with(ipc_prefix)) return;
     socket_path_ = endpoint.substr(std::strlen(ipc_prefix));
     lock_path_ = socket_path_ + ".lock";

@@ -5,9 +5,11 @@
 
 namespace undertow::wire {
 
-/// Refuses what this version does not offer (InputError): unknown transports, addresses other than
-/// 127.0.0.1, socket paths longer than the system's 107 characters.
-void check_endpoint(const std::string& endpoint);
+enum class Keys { none, curve };
+
+/// Refuses what is not offered (InputError): unknown transports, addresses other than 127.0.0.1
+/// without keys, socket paths longer than the system's 107 characters.
+void check_endpoint(const std::string& endpoint, Keys keys = Keys::none);
 
 /// Holds an ipc endpoint for this process. A second bind on the same path would silently steal the
 /// socket, so a lock file "<socket>.lock" beside it names the owner's pid and is locked with
@@ -17,7 +19,7 @@ class EndpointLock {
     /// Creates the folder (mode 0700) when it is missing; takes the lock; removes the socket a dead
     /// run left behind. Throws PeerError E_IO when another process holds the endpoint, naming its
     /// pid, and InputError when others could write to the folder. Does nothing for tcp.
-    explicit EndpointLock(const std::string& endpoint);
+    explicit EndpointLock(const std::string& endpoint, Keys keys = Keys::none);
     ~EndpointLock();  // removes the socket and the lock file
     EndpointLock(const EndpointLock&) = delete;
     EndpointLock& operator=(const EndpointLock&) = delete;

@@ -13,6 +13,7 @@
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
+#include "wire/recording.hpp"
 #include "wire/seat.hpp"
 #include "wire/segment.hpp"
 #include "wire/session.hpp"
@@ -37,9 +38,11 @@ std::uint64_t draw_session() {
 struct Host::Impl {
     explicit Impl(const HostOptions& given)
         : options(given),
-          lock(given.endpoint),
+          keys(given.curve.empty() ? CurveKeys{} : keys_of_coupler(given.curve)),
+          lock(given.endpoint, given.curve.empty() ? Keys::none : Keys::curve),
           channel(Channel::End::coupler, given.endpoint,
-                  given.welcome.max_message ? given.welcome.max_message : default_max_message) {
+                  given.welcome.max_message ? given.welcome.max_message : default_max_message,
+                  given.curve.empty() ? nullptr : &keys) {
         Welcome& welcome = options.welcome;
         if (welcome.session == 0) welcome.session = draw_session();
         if (welcome.max_message == 0) welcome.max_message = default_max_message;
@@ -51,6 +54,7 @@ struct Host::Impl {
     }
 
     HostOptions options;
+    CurveKeys keys;
     EndpointLock lock;  // before the channel: taken first, released last
     Channel channel;
     std::vector<Seat> seats;
@@ -107,6 +111,7 @@ struct Host::Impl {
                                    error.what());
         }
         seat.silence = 0;
+        if (seat.recording) seat.recording->add(Said::by_coupler, message);
         const MessageType type = type_of(message);
         if (type == MessageType::force && post_by_segment(seat, message)) return;
         // What goes by the socket may be overtaken by what goes by the segment: not in one turn.
@@ -193,6 +198,7 @@ struct Host::Impl {
             seat.session.follow(Side::solver, message);
             if (const auto* probe = std::get_if<Probe>(&message))
                 check_probe(*probe, seat.particles);
+            if (seat.recording) seat.recording->add(Said::by_participant, message);
         } catch (const PeerError& error) {
             if (failed) throw;
             fail(error.code, seat.name + " sent a wrong message: " + error.what(), seat.name);
@@ -303,6 +309,11 @@ struct Host::Impl {
         look_for_lost();  // so that is_open() below knows all events before this HELLO
         Refusal why;
         Seat* seat = find_seat_for(*hello, seats, why);
+        const std::string holder = Channel::key_holder(packet);
+        if (seat && !options.curve.empty() && holder != hello->name) {
+            seat = nullptr;
+            why = {"E_KEY", "'" + hello->name + "' came with the key of '" + holder + "'"};
+        }
         if (!seat)
             refuse(why.code, why.text);
         else if (channel.is_open(packet.connection))
@@ -325,6 +336,10 @@ struct Host::Impl {
         seat.capabilities = welcome.capabilities;
         welcome.version[1] = std::min(version_minor, hello.version[1]);
         ++n_seated;
+        if (!options.record_in.empty()) {
+            seat.recording = std::make_unique<RecordingWriter>(recording_of(options.record_in, seat.name));
+            seat.recording->add(Said::by_participant, hello);
+        }
         seat.session.follow(Side::solver, hello);
         post(seat, std::move(welcome));
     }
@@ -339,7 +354,11 @@ struct Host::Impl {
             std::string& list = seat.taken() ? joined : text;
             list += (list.empty() ? "" : ", ") + (seat.taken() ? seat.name : seat.role);
         }
-        return "nobody joined as " + text + (joined.empty() ? "" : " (joined: " + joined + ")");
+        const int refused = channel.handshakes_failed();
+        return "nobody joined as " + text + (joined.empty() ? "" : " (joined: " + joined + ")") +
+               (refused == 0 ? ""
+                             : ", " + std::to_string(refused) +
+                                   " connections were refused for their keys,");
     }
 
     // ---------------------------------------------------------------- meshes

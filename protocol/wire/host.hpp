@@ -29,6 +29,8 @@ struct HostOptions {
     double deadline = 60;  // [s] longest silence of a participant
     Welcome welcome;       // session 0 = draw one; versions filled in; the capabilities are ours
     bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
+    std::string curve{};        // folder of keys for tcp, see wire/curve_keys.hpp; empty = none
+    std::string record_in{};    // folder for a recording of each session; empty = none
     bool (*stop)() = nullptr;   // true once the user wants to end; asked while the run is prepared
 };
 

@@ -182,7 +182,7 @@ struct Error {
     std::int64_t n = 0;
     std::string code;              // E_VERSION, E_NAME_TAKEN, E_LATE, E_MALFORMED, E_SHAPE, E_STATE,
                                    // E_SEQUENCE, E_TIME, E_NONFINITE, E_MESH, E_DT, E_TIMEOUT,
-                                   // E_PEER_LOST, E_IO, E_PHYSICS, E_INPUT, E_STOP
+                                   // E_PEER_LOST, E_IO, E_PHYSICS, E_INPUT, E_STOP, E_KEY
     std::string text;              // one sentence: what is wrong, value, what to do
     std::string who;
 };

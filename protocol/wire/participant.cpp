@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
+#include "wire/recording.hpp"
 #include "wire/segment.hpp"
 #include "wire/session.hpp"
 
@@ -31,13 +34,25 @@ double seconds_since(Clock::time_point start) {
 
 struct Participant::Impl {
     explicit Impl(const ParticipantOptions& given)
-        : options(given),
-          session(given.role),
-          channel(Channel::End::solver, given.endpoint, default_max_message) {}
+        : options(given), session(given.role) {
+        if (given.endpoint.starts_with(replay_prefix))
+            replay.emplace(given.endpoint.substr(std::strlen(replay_prefix)));
+        else
+            open_channel();
+    }
+
+    void open_channel() {
+        CurveKeys keys;
+        if (!options.curve.empty()) keys = keys_of_participant(options.curve, options.name);
+        channel.emplace(Channel::End::solver, options.endpoint, default_max_message,
+                        options.curve.empty() ? nullptr : &keys);
+    }
 
     ParticipantOptions options;
     Session session;
-    Channel channel;
+    std::optional<Channel> channel;         // one of the two
+    std::optional<RecordingReader> replay;  // stands in for the coupler
+    std::string first_difference;           // from what was recorded
     Welcome welcome;
     Packet packet;
     Message incoming;    // reused, so that a FORCE costs no allocation
@@ -61,8 +76,9 @@ struct Participant::Impl {
         }
         const MessageType type = type_of(message);
         if (type == MessageType::state || type == MessageType::probe) preparing = false;
+        if (replay) return compare(message);
         if (post_by_segment(message)) return;
-        switch (channel.send(std::move(message), {}, patience())) {
+        switch (channel->send(std::move(message), {}, patience())) {
             case Sent::yes:
                 if (segment) segment->ring();
                 return;
@@ -72,6 +88,12 @@ struct Participant::Impl {
             case Sent::connection_lost:
                 lost();
         }
+    }
+
+    void compare(const Message& message) {
+        if (std::holds_alternative<Progress>(message)) return;
+        if (!replay->compare(message) && first_difference.empty())
+            first_difference = label(message);
     }
 
     bool post_by_segment(const Message& message) {
@@ -100,9 +122,9 @@ struct Participant::Impl {
                 }
                 return;
             }
-            if (channel.any_broken()) lost();
+            if (channel->any_broken()) lost();
             if (silence >= seconds) {
-                if (!channel.ever_connected()) nobody_there();
+                if (!channel->ever_connected()) nobody_there();
                 fail("E_TIMEOUT", "the coupler at " + options.endpoint + " sent no " + what +
                                       " within " + number_text(seconds, 3) + " s");
             }
@@ -114,19 +136,28 @@ struct Participant::Impl {
 
     /// Takes a message into `incoming` if one is there.
     bool take_next() {
+        if (replay) {
+            if (replay->at_end() || replay->next_speaker() != Said::by_coupler)
+                throw PeerError("E_STATE", "the recording at " + options.endpoint +
+                                               (replay->at_end() ? " has ended in step "
+                                                                 : " has no answer in step ") +
+                                               std::to_string(session.step()));
+            accept([&] { replay->take(incoming); });
+            return true;
+        }
         if (by_segment && segment->has_message()) {
             accept([&] { segment->read(incoming); });
             return true;
         }
-        if (!channel.receive(packet)) return false;
+        if (!channel->receive(packet)) return false;
         accept([&] { decode(packet, incoming); });
         return true;
     }
 
     double wait(double seconds, const Segment::Ring& ring) {
-        if (!by_segment) return channel.wait(seconds);
-        if (segment->heard_of_socket()) return channel.wait(std::min(seconds, on_its_way));
-        return channel.wait_at(std::span(&ring, 1), seconds);
+        if (!by_segment) return channel->wait(seconds);
+        if (segment->heard_of_socket()) return channel->wait(std::min(seconds, on_its_way));
+        return channel->wait_at(std::span(&ring, 1), seconds);
     }
 
     void accept(const auto& decode_it) {
@@ -152,7 +183,8 @@ struct Participant::Impl {
 
     /// The connection is gone. The coupler may have said why before it left.
     [[noreturn]] void lost() {
-        while (channel.receive(packet)) {
+        if (channel->handshakes_failed() > 0 && session.id() == 0) refused();
+        while (channel->receive(packet)) {
             try {
                 decode(packet, incoming);
             } catch (const PeerError&) {
@@ -163,6 +195,18 @@ struct Participant::Impl {
         ended = true;
         throw PeerError("E_PEER_LOST", "the coupler at " + options.endpoint + " vanished in step " +
                                            std::to_string(session.step()) + "; see coupler.log");
+    }
+
+    [[noreturn]] void refused() {
+        ended = true;
+        if (options.curve.empty())
+            throw PeerError("E_KEY", "the coupler at " + options.endpoint +
+                                         " closes the connection at the greeting; if it has keys "
+                                         "(--keys), this program needs them too");
+        throw PeerError("E_KEY", "the coupler at " + options.endpoint + " does not take the key " +
+                                     options.curve + "/" + options.name +
+                                     ".key, or is not the one of coupler.pub there; copy the keys of "
+                                     "one run of `undertow keys` to all hosts");
     }
 
     [[noreturn]] void nobody_there() const {
@@ -178,10 +222,10 @@ struct Participant::Impl {
 
     void report(const std::string& code, const std::string& text) noexcept {
         if (std::exchange(ended, true)) return;
-        if (!channel.ever_connected()) return;  // nobody to tell
+        if (!channel || !channel->ever_connected()) return;  // nobody to tell
         try {
-            channel.linger(error_linger);
-            channel.send(
+            channel->linger(error_linger);
+            channel->send(
                 Error{session.id(), session.step(), code, text.substr(0, 4000), options.name}, {},
                 error_linger);
             if (segment) segment->ring();
@@ -191,6 +235,17 @@ struct Participant::Impl {
     }
 
     // ---------------------------------------------------------------- the hand-shake
+
+    void greet(const Hello& hello) {
+        switch (channel->send(hello, {}, options.join_timeout)) {
+            case Sent::yes:
+                return;
+            case Sent::connection_lost:
+                lost();
+            case Sent::timed_out:
+                nobody_there();
+        }
+    }
 
     void join() {
         const auto start = Clock::now();
@@ -202,31 +257,28 @@ struct Participant::Impl {
             hello.capabilities.push_back(shared_memory_capability);
         hello.software = options.software;
         session.follow(Side::solver, hello);
-        switch (channel.send(hello, {}, options.join_timeout)) {
-            case Sent::yes:
-                break;
-            case Sent::connection_lost:
-                lost();
-            case Sent::timed_out:
-                nobody_there();
-        }
+        if (replay)
+            compare(hello);
+        else
+            greet(hello);
         take(std::max(options.join_timeout - seconds_since(start), 0.1), "WELCOME");
         welcome = std::get<Welcome>(incoming);
-        channel.limit_frames(welcome.max_message);
+        if (channel) channel->limit_frames(welcome.max_message);
         if (welcome.version[0] != version_major) {
             fail("E_VERSION", "the coupler speaks protocol " + std::to_string(welcome.version[0]) +
                                   "." + std::to_string(welcome.version[1]) + ", this program " +
                                   std::to_string(version_major) + "." +
                                   std::to_string(version_minor));
         }
-        if (std::ranges::find(welcome.capabilities, shared_memory_capability) !=
+        if (channel && std::ranges::find(welcome.capabilities, shared_memory_capability) !=
             welcome.capabilities.end())
             segment = Segment::open(welcome.session, options.name);
     }
 };
 
 Participant::Participant(const ParticipantOptions& options) {
-    check_endpoint(options.endpoint);
+    if (!options.endpoint.starts_with(replay_prefix))
+        check_endpoint(options.endpoint, options.curve.empty() ? Keys::none : Keys::curve);
     if (options.role != "particles" && options.role != "surface") {
         throw std::logic_error("role '" + options.role + "' is neither particles nor surface");
     }
@@ -324,12 +376,18 @@ bool Participant::shares_memory() const {
     return impl_->by_segment;
 }
 
+std::string Participant::replay_verdict() const {
+    if (!impl_->replay) return {};
+    if (impl_->first_difference.empty()) return "replay: every message is the recorded one, bit by bit";
+    return "replay: " + impl_->first_difference + " was the first message that differs from the recording";
+}
+
 double Participant::waited() const {
     return impl_->waited;
 }
 
 void Participant::say_goodbye(std::int64_t n) {
-    impl_->channel.linger(finish_linger);
+    if (impl_->channel) impl_->channel->linger(finish_linger);
     impl_->post(Bye{0, n});
     impl_->ended = true;
 }

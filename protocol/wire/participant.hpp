@@ -23,13 +23,15 @@
 namespace undertow::wire {
 
 struct ParticipantOptions {
-    std::string endpoint;  // "ipc:///path/coupler.sock" or "tcp://127.0.0.1:port"
+    std::string endpoint;  // "ipc:///path/coupler.sock", "tcp://127.0.0.1:port", or a recorded
+                           // session, "replay:///path/recording.fem.utow"
     std::string name;      // unique within the run
     std::string role;      // "particles" or "surface"
     std::vector<std::string> capabilities;
     std::string software;
     double join_timeout = 60;  // [s] how long the coupler may take to appear and answer
     bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
+    std::string curve{};        // folder of keys for tcp, see wire/curve_keys.hpp; empty = none
     bool (*stop)() = nullptr;   // true once the user wants to end; asked until the first step
 };
 
@@ -78,6 +80,9 @@ class Participant {
 
     /// STATE and FORCE travel by shared memory.
     bool shares_memory() const;
+    /// Of a replay, for the log: whether all messages were the recorded ones so far, in every bit, or
+    /// which was the first that differed. Empty in a run with a coupler.
+    std::string replay_verdict() const;
 
     /// [s] spent in wait_reply so far.
     double waited() const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "wire/messages.hpp"
+#include "wire/recording.hpp"
 #include "wire/segment.hpp"
 #include "wire/session.hpp"
 
@@ -28,6 +29,7 @@ struct Seat {
     std::vector<Mesh> meshes;
     std::unique_ptr<Segment> segment;  // the data plane, if both sides have it
     bool by_segment = false;           // the running STATE came by it, so FORCE may go by it
+    std::unique_ptr<RecordingWriter> recording;
     Mesh particles;  // the mesh of role "particles", against which a PROBE is checked
 
     bool taken() const { return !name.empty(); }

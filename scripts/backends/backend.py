@@ -225,6 +225,7 @@ def arguments(name, software, description):
     parser.add_argument("case", metavar="CASE", help="a .toml file or a folder with case.toml")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the results")
     parser.add_argument("--coupler", required=True, metavar="ENDPOINT", help="where it listens")
+    parser.add_argument("--keys", metavar="FOLDER", help="keys for a coupler on another host")
     parser.add_argument("--level", help="level of detail of the case")
     parser.add_argument("--with", dest="variants", action="append", default=[], metavar="VARIANT")
     parser.add_argument("--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE")
@@ -267,7 +268,8 @@ def main(name, software, description, make):
         structure = make(table)
         table.end()
         log.info("%s: %d facets, %s", software, len(structure.quad), structure.description)
-        link = Participant(options.coupler, "fem", "surface", software, stop=lambda: bool(stop))
+        link = Participant(options.coupler, "fem", "surface", software, stop=lambda: bool(stop),
+                           keys=options.keys)
         summary = take_steps(structure, link, out, history_every, stop, software)
         aside = out / "summary.fem.json.part"
         aside.write_text(json.dumps(summary, indent=2) + "\n", encoding="ascii")

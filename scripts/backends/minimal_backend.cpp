@@ -3,10 +3,26 @@
 //
 //     minimal_backend ENDPOINT
 
+#include <csignal>
 #include <cstdio>
 
 #include "wire/errors.hpp"
+#include "wire/failure.hpp"
 #include "wire/participant.hpp"
+
+namespace {
+
+volatile std::sig_atomic_t ctrl_c = 0;
+
+void note_ctrl_c(int) {
+    ctrl_c = 1;
+}
+
+bool user_stops() {
+    return ctrl_c;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     using namespace undertow;
@@ -15,7 +31,10 @@ int main(int argc, char** argv) {
         return exit_input;
     }
     try {
-        wire::Participant link({argv[1], "fem", "surface", {}, "minimal_backend", 60});
+        std::signal(SIGINT, note_ctrl_c);
+        wire::ParticipantOptions options{argv[1], "fem", "surface", {}, "minimal_backend", 60};
+        options.stop = user_stops;  // asked until the first step
+        wire::Participant link(options);
 
         wire::Mesh mesh;
         mesh.mesh = "wall";
@@ -38,6 +57,7 @@ int main(int argc, char** argv) {
             state.t = t;
             state.dt_limit = dt_limit;
             state.limiter = "spring";
+            state.flags = user_stops() ? std::uint32_t(wire::state_stop) : 0;
             state.x = x;
             state.v = v;
             link.send(std::move(state));
@@ -48,7 +68,7 @@ int main(int argc, char** argv) {
             const wire::StepReply reply = link.wait_reply();
             if (reply.finish) {
                 link.say_goodbye(n);
-                return exit_done;
+                return reply.finish->reason == "done" ? exit_done : exit_interrupted;
             }
             if (!reply.force) throw PeerError("E_STATE", "this backend writes no checkpoints");
             const double dt = reply.force->dt;
@@ -59,8 +79,9 @@ int main(int argc, char** argv) {
             last_dt = dt;
             t = reply.force->t1;  // never add up dt
         }
-    } catch (const PeerError& error) {
-        std::fprintf(stderr, "minimal_backend: %s: %s\n", error.code.c_str(), error.what());
-        return exit_peer;
+    } catch (const std::exception& error) {
+        const Failure failure = failure_of(error);
+        std::fprintf(stderr, "minimal_backend: %s\n", failure.text.c_str());
+        return failure.exit;
     }
 }

@@ -10,6 +10,8 @@ from . import case as cases
 from .errors import CHECKS_FAILED, DONE, INPUT, INTERRUPTED, RunFailed, UserError
 from .pareto.command import add_command as add_pareto
 from .paths import RESULTS, newest_results, shown
+from . import keys, replay
+from .conform import command as conform
 from .verify.command import add_command as add_verify
 
 
@@ -79,7 +81,9 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
     from .table import print_report
 
     options = cases.layer_options(arguments) + (["--resume", str(resume)] if resume else [])
-    outcome = run_programs(case, options, out, threads, arguments.fem, quiet)
+    wire = ["--keys", str(Path(arguments.keys).absolute())] if arguments.keys else []
+    outcome = run_programs(case, options, out, threads, arguments.fem, quiet, wire,
+                           ["--record"] if arguments.record else [])
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": arguments.level,
                "variants": arguments.variants, "set": arguments.set, "ok": outcome.code == DONE,
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "threads": threads,
@@ -222,6 +226,8 @@ def parser():
     sub.add_argument("--out", metavar="DIR", help="where the results go (default: results/NAME)")
     sub.add_argument("--quiet", action="store_true", help="no live line")
     sub.add_argument("--fem", "--backend", metavar="PROGRAM", help="a program that stands in for fem_solver")
+    sub.add_argument("--record", action="store_true", help="keep what the programs say, for `undertow replay`")
+    sub.add_argument("--keys", metavar="FOLDER", help="encrypt, with keys of `undertow keys` (coupling.transport = \"tcp\")")
     sub.add_argument("--force", action="store_true", help="replace earlier results instead of moving them aside")
     sub.set_defaults(do=run)
 
@@ -255,6 +261,8 @@ def parser():
     sub.set_defaults(do=movie)
 
     add_verify(commands, positive)
+    for module in (conform, keys, replay):
+        module.add_command(commands)
     add_pareto(commands, positive)
     return top
 
@@ -268,7 +276,9 @@ def positive(text):
 
 def main(arguments):
     try:
-        chosen = parser().parse_args(arguments)
+        own, participant = conform.split(arguments)
+        chosen = parser().parse_args(own)
+        chosen.participant = participant
         return chosen.do(chosen)
     except UserError as error:
         print(error, file=sys.stderr)

@@ -70,18 +70,19 @@ def free_endpoint(transport, folder):
     return f"ipc://{folder}/coupler.sock"
 
 
-def plan(case, layer_options, out, threads, backend, quiet, endpoint):
-    """The programs of a run, the coupler first: a list of Child."""
+def plan(case, layer_options, out, threads, backend, quiet, endpoint, wire=(), of_coupler=()):
+    """The programs of a run, the coupler first: a list of Child. wire: options of all in a coupled run."""
     common = [case["file"], "--out", str(out), *layer_options]
     shown = ["--quiet"] if quiet else []
     fem = backend_command(backend) if backend else [str(program("fem_solver"))] if case["fem"] else None
     if case["coupled"]:
         share = split_threads(threads, ["coupler", "sph_solver", "fem_solver"])
         return [
-            Child("coupler", [str(program("coupler")), *common, "--endpoint", endpoint, *shown], 1, screen=True),
-            Child("sph_solver", [str(program("sph_solver")), *common, "--coupler", endpoint, "--threads",
+            Child("coupler", [str(program("coupler")), *common, "--endpoint", endpoint, *wire, *of_coupler, *shown], 1,
+                  screen=True),
+            Child("sph_solver", [str(program("sph_solver")), *common, "--coupler", endpoint, *wire, "--threads",
                                  str(share["sph_solver"]), *shown], share["sph_solver"]),
-            Child("fem_solver", [*fem, *common, "--coupler", endpoint, "--threads", "1", *shown], 1),
+            Child("fem_solver", [*fem, *common, "--coupler", endpoint, *wire, "--threads", "1", *shown], 1),
         ]
     name = "sph_solver" if case["sph"] else "fem_solver"
     command = [str(program("sph_solver"))] if case["sph"] else fem
@@ -209,12 +210,12 @@ def how_it_ended(child):
     return f"failed with exit code {child.code}"
 
 
-def run_programs(case, layer_options, out, threads, backend, quiet):
+def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_coupler=()):
     """Runs a case; returns an Outcome. The socket lives in a private folder that goes with the run."""
     private = tempfile.mkdtemp(prefix="undertow-")       # mode 0700
     try:
         endpoint = free_endpoint((case["coupling"] or {}).get("transport", "ipc"), private)
-        children = plan(case, layer_options, out, threads, backend, quiet, endpoint)
+        children = plan(case, layer_options, out, threads, backend, quiet, endpoint, wire, of_coupler)
         (out / "commands.txt").write_text("".join(shlex.join(map(str, c.command)) + "\n" for c in children))
         sys.stdout.flush()
         outcome = Watch(children, out).run()
