@@ -46,6 +46,7 @@ void log_start(const Structure& structure, const MeshQuality& quality) {
                  mesh.source.c_str(), count_elements(mesh).c_str(), mesh.x.size(), quality.worst_aspect,
                  mesh.element_name(quality.worst_aspect_element).c_str(), quality.worst_corner,
                  mesh.element_name(quality.worst_corner_element).c_str()));
+    for (const std::string& remark : mesh.remarks) log_warning(mesh.source + ": " + remark);
     for (const RigidBody& body : structure.bodies())
         log_info(sentence("rigid body %s: %zu elements, %.6g kg (of it %g added), center (%.4g, "
                           "%.4g, %.4g) m",

@@ -13,6 +13,13 @@ void list_names(const Sets& sets, std::string& names) {
     for (const auto& [name, set] : sets) names += (names.empty() ? "\"" : ", \"") + name + "\"";
 }
 
+/// InputError when the file has the set, but not so that it can be used.
+void check_refused(const Mesh& mesh, const std::string& set, const std::string& key) {
+    if (const auto found = mesh.refused_sets.find(set); found != mesh.refused_sets.end())
+        throw InputError(key + ": the set \"" + set + "\" of " + mesh.source +
+                         " cannot be used: " + found->second);
+}
+
 std::vector<std::int32_t> sorted_unique(std::vector<std::int32_t> nodes) {
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -40,6 +47,7 @@ std::vector<std::int32_t> Mesh::nodes_of(const std::string& set, const std::stri
         known = true;
     }
     if (!known) {
+        check_refused(*this, set, key);
         std::string names;
         list_names(node_sets, names);
         list_names(facet_sets, names);
@@ -53,6 +61,7 @@ std::vector<std::int32_t> Mesh::nodes_of(const std::string& set, const std::stri
 const std::vector<Quad>& Mesh::facets_of(const std::string& set, const std::string& key) const {
     const auto found = facet_sets.find(set);
     if (found == facet_sets.end()) {
+        check_refused(*this, set, key);
         std::string names;
         list_names(facet_sets, names);
         throw InputError(key + ": the mesh " + source + " has no facet set \"" + set +
@@ -65,6 +74,7 @@ const std::vector<std::int32_t>& Mesh::elements_of(const std::string& set,
                                                    const std::string& key) const {
     const auto found = volume_sets.find(set);
     if (found == volume_sets.end()) {
+        check_refused(*this, set, key);
         std::string names;
         list_names(volume_sets, names);
         throw InputError(key + ": the mesh " + source + " has no volume set \"" + set +

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "fem_solver/setup/abaqus_mesh.hpp"
 #include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/setup/contact_sets.hpp"
 #include "fem_solver/setup/coupled_surface.hpp"
@@ -19,6 +20,12 @@
 namespace undertow::fem {
 namespace {
 
+Mesh read_mesh(const std::string& path, SetsOfCase of_case) {
+    return std::filesystem::path(path).extension() == ".inp"
+               ? read_abaqus(path, std::move(of_case))
+               : read_gmsh(path, std::move(of_case));
+}
+
 Mesh make_mesh(const Case& c) {
     if (c.fem.block && !c.fem.mesh.empty())
         throw InputError("fem: give either fem.block or fem.mesh, not both.");
@@ -31,11 +38,11 @@ Mesh make_mesh(const Case& c) {
         return c.fem.block->cells == BlockCells::shells ? make_sheet(*c.fem.block)
                                                         : make_block(*c.fem.block);
     if (c.fem.mesh.empty())
-        throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"file.msh\".");
-    std::vector<std::string> shells;
+        throw InputError("fem: there is no mesh; give [fem.block] or fem.mesh = \"FILE.msh\" or \"FILE.inp\".");
+    SetsOfCase of_case{immobile, {}};
     for (const FemPart& part : c.fem.part)
-        if (part.element == ElementFormulation::shell) shells.push_back(part.set);
-    return read_gmsh((std::filesystem::path(c.folder) / c.fem.mesh).string(), immobile, shells);
+        if (part.element == ElementFormulation::shell) of_case.shells.push_back(part.set);
+    return read_mesh((std::filesystem::path(c.folder) / c.fem.mesh).string(), std::move(of_case));
 }
 
 Hardening make_hardening(const FemMaterial& m) {

@@ -12,17 +12,29 @@ Skin::Skin(const Mesh& mesh) : source_(mesh.source) {
     for (const Quad& q : mesh.shells) shell_.insert(sorted_facet(q));
 }
 
-Quad Skin::outward(const Quad& quad, const std::string& what) const {
+bool Skin::has(const Quad& quad) const {
+    return face_.count(sorted_facet(quad)) > 0 || shell_.count(sorted_facet(quad)) > 0;
+}
+
+bool Skin::between_two(const Quad& quad) const {
     const auto found = face_.find(sorted_facet(quad));
-    if (shell_.count(sorted_facet(quad)) > 0 && found == face_.end()) return quad;
-    if (found == face_.end())
-        throw InputError(source_ + ": " + what +
-                         " is not a face of any solid element, and no shell; mesh surface and "
-                         "volume together.");
-    if (found->second.elements > 1)
-        throw InputError(source_ + ": " + what +
-                         " lies between two elements; a facet set must lie on the outer skin.");
-    return found->second.node;
+    return found != face_.end() && found->second.elements > 1;
+}
+
+std::string Skin::trouble(const Quad& quad) const {
+    if (!has(quad))
+        return " is not a face of any solid element, and no shell; mesh surface and volume "
+               "together.";
+    if (between_two(quad))
+        return " lies between two elements; a facet set must lie on the outer skin.";
+    return "";
+}
+
+Quad Skin::outward(const Quad& quad, const std::string& what) const {
+    if (const std::string why = trouble(quad); !why.empty())
+        throw InputError(source_ + ": " + what + why);
+    const auto found = face_.find(sorted_facet(quad));
+    return found == face_.end() ? quad : found->second.node;
 }
 
 Quad Skin::outside(const Quad& quad, const std::string& what) const {

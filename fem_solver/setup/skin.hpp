@@ -16,6 +16,10 @@ class Skin {
     /// The quad, counter-clockwise seen from outside; that of a shell as it is. InputError when it
     /// is no face of an element or lies between two; `what` names it.
     Quad outward(const Quad& quad, const std::string& what) const;
+    bool has(const Quad& quad) const;          // of an element, or a shell
+    bool between_two(const Quad& quad) const;  // elements
+    /// Why outward() would refuse it, to follow its name; "" when it does not.
+    std::string trouble(const Quad& quad) const;
     /// The quad as it is. InputError when it is a face of an element.
     Quad outside(const Quad& quad, const std::string& what) const;
 

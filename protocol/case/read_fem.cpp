@@ -194,7 +194,7 @@ void read_mesh(TableReader& reader, FemSettings& fem, const CaseInfo& info,
                       "is one mesh too many: the case has [fem.block] as well; keep one of "
                       "the two.");
     if (!fem.block && fem.mesh.empty())
-        reader.require("block", "[fem.block] or mesh = \"FILE.msh\"");
+        reader.require("block", "[fem.block] or mesh = \"FILE.msh\" (Gmsh) or \"FILE.inp\" (Abaqus)");
     if (!fem.mesh.empty() &&
         !std::filesystem::is_regular_file(std::filesystem::path(folder) / fem.mesh))
         reader.reject("mesh", "does not exist: the path is taken from the case file's folder, " +

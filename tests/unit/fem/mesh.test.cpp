@@ -298,7 +298,7 @@ $EndElements
 
 TEST_CASE("elements of several shapes are numbered shape by shape, their facets turned outward") {
     const GmshFolder folder;
-    const Mesh mesh = read_gmsh(folder.write(three_kinds), {}, {"plate"});
+    const Mesh mesh = read_gmsh(folder.write(three_kinds), {{}, {"plate"}});
     CHECK(mesh.n_elements() == 3);
     CHECK(mesh.elements_of("brick", "test") == std::vector<std::int32_t>{0});
     CHECK(mesh.elements_of("wedge", "test") == std::vector<std::int32_t>{1});
@@ -321,8 +321,8 @@ TEST_CASE("elements of several shapes are numbered shape by shape, their facets 
     // without the name of a shell, its quad is a facet that belongs to nothing
     CHECK_THROWS_WITH(read_gmsh(folder.write(three_kinds)),
                       Catch::Contains("quad 30") && Catch::Contains("not a face"));
-    const Mesh flat = read_gmsh(folder.write(with(three_kinds, "10 1 2 3 4", "10 1 3 2 4")), {},
-                                {"plate"});
+    const Mesh flat = read_gmsh(folder.write(with(three_kinds, "10 1 2 3 4", "10 1 3 2 4")),
+                                {{}, {"plate"}});
     CHECK_THROWS_WITH(check_mesh(flat), Catch::Contains("tetrahedron 10"));
 }
 
