@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
 # scripts/setup.sh: installs what Undertow needs from Debian's own packages and builds it.
 # Safe to run again: what is there is kept, and a second run takes a second or two.
-# --tests builds the tests as well; UNDERTOW_BUILD=FOLDER builds elsewhere than in build/.
+# --tests builds the tests as well, --long also gets what only the long tests need (clang, for fuzzing); UNDERTOW_BUILD=FOLDER builds elsewhere than in build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 targets=(programs)
+extra=()
 case "${1:-}" in
     "") ;;
-    --tests) targets=(all) ;;
+    --tests) targets=(all) extra=(python3-getfem python3-scipy) ;;
+    --long) targets=(all) extra=(python3-getfem python3-scipy clang) ;;
     -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;;
-    *) echo "scripts/setup.sh knows --tests only, but got: $1" >&2; exit 2 ;;
+    *) echo "scripts/setup.sh knows --tests and --long, but got: $1" >&2; exit 2 ;;
 esac
 
 # tools, C++ libraries, Python for the report and for participants written in it, film
@@ -20,6 +22,7 @@ packages=(
     libtomlplusplus-dev libmuparser-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
     python3 python3-numpy python3-h5py python3-matplotlib python3-zmq python3-msgpack python3-rich
     ffmpeg
+    "${extra[@]}"
 )
 
 family=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${ID_LIKE:-}" || true)

@@ -8,18 +8,19 @@ cd "$(dirname "$0")/.."
 
 leave_out=(-LE '^long$')
 sanitize=1
+setup=--tests
 case "${1:-}" in
     "") ;;
     --quick)
         leave_out=(-LE '^(long|slow|validation)$')
         sanitize=0
         ;;
-    --long) leave_out=() ;;
+    --long) leave_out=() setup=--long ;;
     -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;;
     *) echo "scripts/test.sh knows --quick and --long, but got: $1" >&2; exit 2 ;;
 esac
 
-scripts/setup.sh --tests
+scripts/setup.sh "$setup"
 if ((sanitize)); then
     build=build-sanitize
     [[ -f $build/build.ninja ]] || cmake -S . -B "$build" -G Ninja -DUNDERTOW_SANITIZE=ON >/dev/null

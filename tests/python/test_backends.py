@@ -1,5 +1,6 @@
 """The Python backends: against theory as programs pushed by a played coupler, and some steps of a
 whole case against the real one."""
+import importlib.util
 import json
 import os
 import pathlib
@@ -148,6 +149,64 @@ class RigidBodyTheory(unittest.TestCase):
         np.testing.assert_allclose(area.sum(axis=0), 0, atol=1e-15)
 
 
+@unittest.skipUnless(importlib.util.find_spec("getfem") and importlib.util.find_spec("scipy"),
+                     "needs python3-getfem and python3-scipy")
+class GetfemTheory(unittest.TestCase):
+    PLATE = {"box": [0, 0, 0, 0.02, 0.15, 0.6], "divisions": [1, 2, 12], "wet": "xmin", "held": ["zmin"],
+             "density": 1190, "young_modulus": 3.2e9, "poisson_ratio": 0}
+
+    def wall(self, **keys):
+        from getfem_wall import GetfemWall
+        return GetfemWall(Table("getfem_wall", {**self.PLATE, **keys}))
+
+    def test_the_first_frequency_of_a_cantilever(self):
+        """1.87510^2 sqrt(E I/(rho A))/L^2; shear and rotation slow it by about (h/L)^2 = 1e-3 at most."""
+        exact = 1.875104069**2 * np.sqrt(3.2e9 * 0.02**2 / 12 / 1190) / 0.6**2
+        self.assertAlmostEqual(self.wall().omega / exact, 1, delta=1e-3)
+
+    def test_a_tip_load_bends_it_by_F_L3_over_3_E_I_and_energy_balances(self):
+        wall = self.wall(probe=[0, 0.075, 0.6])
+        wall.damping = 2 * wall.omega
+        h, rows = wall.stable_step(0.45), np.zeros_like(wall.x0)
+        tip = np.isclose(wall.x0[:, 2], 0.6)
+        rows[tip, 0] = 10 / tip.sum()
+        for _ in range(1000):
+            wall.step(rows, h)
+        exact = 10 * 0.6**3 / (3 * 3.2e9 * 0.15 * 0.02**3 / 12)
+        self.assertAlmostEqual(wall.shown[0] / exact, 1, delta=2e-3)   # shear: E/(4 G) (h/L)^2 = 6e-4
+        _, internal, _, work, error = wall.energies()
+        mean = wall.full(wall.u)[tip, 0].mean()
+        self.assertAlmostEqual(internal, 0.5 * 10 * mean, delta=1e-6 * internal)
+        self.assertLess(abs(error), 0.01 * work)        # what the first half kick leaves
+
+    def test_a_mode_slows_as_said_whatever_the_step(self):
+        wall = self.wall(largest_step=2.0 / self.wall().omega)
+        dt = wall.stable_step(0.0)
+        h = dt / 0.9
+        from scipy.sparse.linalg import eigsh
+        from scipy import sparse
+        mass = wall.mass[wall.free]
+        _, shape = eigsh(wall.k_free, 1, sparse.diags(mass), sigma=0)
+        wall.u = 1e-4 * shape[:, 0]
+        along, nothing = [], np.zeros_like(wall.x0)
+        for _ in range(400):
+            wall.step(nothing, dt)
+            along.append(float(shape[:, 0] @ (mass * wall.u)))
+        omega2 = wall.omega**2 / (1 + 0.25 * (wall.omega * h)**2)
+        slowed = np.arccos(1 - 0.5 * omega2 * dt * dt) / dt / 2 / np.pi
+        self.assertAlmostEqual(frequency(np.array(along), dt) / slowed, 1, delta=1e-3)
+
+    def test_the_wet_face_looks_outward_and_carries_its_share_of_the_mass(self):
+        for face, normal in (("xmin", [-1, 0, 0]), ("ymax", [0, 1, 0]), ("zmax", [0, 0, 1])):
+            with self.subTest(face):
+                wall = self.wall(wet=face)
+                p = wall.x0[wall.quad]
+                area = 0.5 * np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1])
+                self.assertTrue((area @ normal > 0).all())
+                self.assertAlmostEqual(wall.mass.sum() / 3, 1190 * 0.02 * 0.15 * 0.6, places=9)
+                self.assertTrue((wall.nodal_mass > 0).all())
+
+
 class Programs(unittest.TestCase):
     """As a user starts them: some steps of the dam break, with the programs of the build."""
 
@@ -178,6 +237,12 @@ class Programs(unittest.TestCase):
 
     def test_the_block_under_standing_water(self):
         self.check(*self.run_case("rigid_body"))
+
+    @unittest.skipUnless(importlib.util.find_spec("getfem") and importlib.util.find_spec("scipy"),
+                         "needs python3-getfem and python3-scipy")
+    def test_getfem_under_standing_water(self):
+        summary, rows = self.run_case("getfem_wall")
+        self.check({**summary, "max_displacement": summary["probe_displacement_max"]}, rows)
 
     def test_the_spring_wall_under_standing_water(self):
         self.check(*self.run_case("spring_wall"))
