@@ -121,7 +121,7 @@ class Coupled final : public Link {
     void send_state(std::int64_t n, double t, const Structure& structure, const StableStep& offer,
                     bool stop) override {
         const std::vector<std::int32_t>& node = structure.model().surface.node;
-        wire::State state;
+        wire::State& state = state_;  // keeps its buffers from step to step
         state.n = n;
         state.t = t;
         state.dt_limit = offer.dt;
@@ -178,6 +178,7 @@ class Coupled final : public Link {
 
  private:
     wire::Participant participant_;
+    wire::State state_;
     wire::StepReply reply_;
     StepOrder order_;
     double work_ = 0;  // element-steps

@@ -80,7 +80,8 @@ class CoupledLink : public Link {
     }
 
     StepOrder wait(FluidSystem& fluid) override {
-        wire::StepReply reply = participant_.wait_reply();
+        participant_.wait_reply(reply_);
+        wire::StepReply& reply = reply_;
         if (reply.surface) {
             surface_ = std::move(*reply.surface);
             boxes_ = surface_->boxes;
@@ -148,7 +149,9 @@ class CoupledLink : public Link {
     }
 
     void send_state(const StepState& s, const FluidSystem& fluid) {
-        wire::State state;
+        wire::State& state = state_;  // keeps its buffers from step to step
+        state.x.clear();
+        state.v.clear();
         state.n = s.n, state.t = s.t, state.dt_limit = s.dt_limit, state.limiter = s.limiter;
         state.flags = stop_requested() ? wire::state_stop : 0u;
         state.reach = fluid.travelled() - travelled_at_probe_;
@@ -201,6 +204,8 @@ class CoupledLink : public Link {
     std::vector<double> boxes_;          // [m] (B, 6)
     std::optional<wire::Surface> surface_;   // news for the fluid
     bool probe_ = true;
+    wire::State state_;
+    wire::StepReply reply_;
     std::vector<std::int64_t> candidates_;   // identities in the order of the last PROBE
     std::vector<std::int64_t> active_;       // identities in the order of STATE and FORCE
     std::vector<Vec3> last_x_;               // [m] last seen positions of the active ones

@@ -33,7 +33,7 @@ struct Frames {
 void encode(const Message& message, Frames& frames);
 
 /// Fills `message`; when it holds the same type already, its vectors and strings are reused, so
-/// that a message of a running step costs one allocation, the 256 bytes of msgpack-c's stack. After
+/// that a message of a running step costs no allocation. After
 /// an exception its content is unspecified, but destructible and assignable.
 void decode(Bytes header, std::span<const Bytes> arrays, Message& message);
 

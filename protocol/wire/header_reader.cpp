@@ -1,9 +1,9 @@
 #include "wire/header_reader.hpp"
 
+#include <array>
+#include <bit>
 #include <cassert>
 #include <limits>
-#include <msgpack/null_visitor.hpp>
-#include <msgpack/unpack.hpp>  // parse.hpp does not stand alone
 
 #include "wire/errors.hpp"
 
@@ -24,62 +24,119 @@ using Kind = HeaderValue::Kind;
               " came");
 }
 
-/// Collects what msgpack-c meets. Its strings are views, as nothing is copied; its base answers
-/// what needs no answer here. A false result would only stop the parser, so mistakes are thrown.
-class Collector : public msgpack::null_visitor {
+/// MessagePack -> flat list. By hand and not by msgpack-c, whose parser reserves memory on every call.
+class Parser {
  public:
-    explicit Collector(std::vector<HeaderValue>& values) : values_(values) {}
+    Parser(Bytes header, std::vector<HeaderValue>& values)
+        : first_(reinterpret_cast<const std::uint8_t*>(header.data())),
+          next_(first_),
+          end_(first_ + header.size()),
+          values_(values) {}
 
-    bool visit_nil() { return other(); }
-    bool visit_boolean(bool) { return other(); }
-    bool visit_bin(const char*, std::uint32_t) { return other(); }
-    bool visit_ext(const char*, std::uint32_t) { malformed("extension types are not allowed"); }
-
-    bool visit_positive_integer(std::uint64_t number) {
-        add(Kind::unsigned_integer).unsigned_integer = number;
-        return true;
+    /// One value with all it holds.
+    void parse() {
+        std::uint64_t due = 1;  // values that the innermost open list or map still lacks
+        for (;;) {
+            while (due == 0) {
+                if (depth_ == 0) return;
+                due = outer_[--depth_];
+            }
+            --due;
+            if (const std::uint64_t inside = value(); opened_) {
+                if (depth_ == max_depth) malformed("the header is nested deeper than 4 levels");
+                outer_[depth_++] = due;
+                due = inside;
+            }
+        }
     }
-    bool visit_negative_integer(std::int64_t number) {
-        add(Kind::integer).integer = number;
-        return true;
-    }
-    bool visit_float32(float number) { return visit_float64(number); }
-    bool visit_float64(double number) {
-        add(Kind::number).number = number;
-        return true;
-    }
-    bool visit_str(const char* text, std::uint32_t size) {
-        add(Kind::text).text = {text, size};
-        return true;
-    }
-
-    bool start_array(std::uint32_t count) { return open(Kind::list, count); }
-    bool start_map(std::uint32_t count) { return open(Kind::map, count); }
-    bool end_array() { return close(); }
-    bool end_map() { return close(); }
-
-    void parse_error(std::size_t, std::size_t place) {
-        malformed("byte " + std::to_string(place) + " of the header is not MessagePack");
-    }
+    bool at_end() const { return next_ == end_; }
 
  private:
-    HeaderValue& add(Kind kind) { return values_.emplace_back(HeaderValue{kind, {}, {}}); }
-    bool other() {
-        add(Kind::other);
-        return true;
-    }
-    bool open(Kind kind, std::uint32_t count) {
-        if (++depth_ > max_depth) malformed("the header is nested deeper than 4 levels");
-        add(kind).count = count;
-        return true;
-    }
-    bool close() {
-        --depth_;
-        return true;
+    /// Adds one value. Of a list or map: sets opened_ and returns the number of values inside.
+    std::uint64_t value() {
+        opened_ = false;
+        const std::uint8_t mark = static_cast<std::uint8_t>(big_endian(1));
+        if (mark <= 0x7f) return positive(mark);
+        if (mark <= 0x8f) return open(Kind::map, mark & 0x0f);
+        if (mark <= 0x9f) return open(Kind::list, mark & 0x0f);
+        if (mark <= 0xbf) return text(mark & 0x1f);
+        if (mark >= 0xe0) return negative(static_cast<std::int8_t>(mark));
+        switch (mark) {
+            case 0xc0: case 0xc2: case 0xc3: return other(0);             // nil, false, true
+            case 0xc4: return other(big_endian(1));                       // bin 8, 16, 32
+            case 0xc5: return other(big_endian(2));
+            case 0xc6: return other(big_endian(4));
+            case 0xca: return number(std::bit_cast<float>(std::uint32_t(big_endian(4))));
+            case 0xcb: return number(std::bit_cast<double>(big_endian(8)));
+            case 0xcc: return positive(big_endian(1));
+            case 0xcd: return positive(big_endian(2));
+            case 0xce: return positive(big_endian(4));
+            case 0xcf: return positive(big_endian(8));
+            case 0xd0: return negative(static_cast<std::int8_t>(big_endian(1)));
+            case 0xd1: return negative(static_cast<std::int16_t>(big_endian(2)));
+            case 0xd2: return negative(static_cast<std::int32_t>(big_endian(4)));
+            case 0xd3: return negative(static_cast<std::int64_t>(big_endian(8)));
+            case 0xd9: return text(big_endian(1));
+            case 0xda: return text(big_endian(2));
+            case 0xdb: return text(big_endian(4));
+            case 0xdc: return open(Kind::list, big_endian(2));
+            case 0xdd: return open(Kind::list, big_endian(4));
+            case 0xde: return open(Kind::map, big_endian(2));
+            case 0xdf: return open(Kind::map, big_endian(4));
+            case 0xc1:
+                malformed("byte " + std::to_string(next_ - first_ - 1) +
+                          " of the header is not MessagePack");
+        }
+        malformed("extension types are not allowed");  // 0xc7 - 0xc9, 0xd4 - 0xd8
     }
 
+    std::uint64_t big_endian(std::size_t n_bytes) {
+        const std::uint8_t* bytes = take(n_bytes);
+        std::uint64_t number = 0;
+        for (std::size_t i = 0; i < n_bytes; ++i) number = number << 8 | bytes[i];
+        return number;
+    }
+    const std::uint8_t* take(std::uint64_t n_bytes) {
+        if (n_bytes > std::uint64_t(end_ - next_))
+            malformed("the header ends in the middle of a value");
+        next_ += n_bytes;
+        return next_ - n_bytes;
+    }
+
+    HeaderValue& add(Kind kind) { return values_.emplace_back(HeaderValue{kind, {}, {}}); }
+    std::uint64_t positive(std::uint64_t number) {
+        add(Kind::unsigned_integer).unsigned_integer = number;
+        return 0;
+    }
+    std::uint64_t negative(std::int64_t number) {  // or a positive one that a peer wrote as signed
+        add(Kind::integer).integer = number;
+        return 0;
+    }
+    std::uint64_t number(double value) {
+        add(Kind::number).number = value;
+        return 0;
+    }
+    std::uint64_t text(std::uint64_t size) {
+        const auto* bytes = reinterpret_cast<const char*>(take(size));
+        add(Kind::text).text = {bytes, std::size_t(size)};
+        return 0;
+    }
+    std::uint64_t other(std::uint64_t size) {
+        take(size);
+        add(Kind::other);
+        return 0;
+    }
+    std::uint64_t open(Kind kind, std::uint64_t count) {
+        opened_ = true;
+        add(kind).count = count;
+        return kind == Kind::map ? 2 * count : count;
+    }
+
+    const std::uint8_t *first_, *next_, *end_;
     std::vector<HeaderValue>& values_;
+    std::array<std::uint64_t, max_depth> outer_;  // what the open lists and maps around still lack
     int depth_ = 0;
+    bool opened_ = false;
 };
 
 }  // namespace
@@ -87,13 +144,9 @@ class Collector : public msgpack::null_visitor {
 std::span<const HeaderValue> parse_header(Bytes header) {
     thread_local std::vector<HeaderValue> values;  // keeps its capacity from message to message
     values.clear();
-    Collector collector(values);
-    std::size_t end = 0;
-    if (!msgpack::parse(reinterpret_cast<const char*>(header.data()), header.size(), end,
-                        collector)) {
-        malformed("the header ends in the middle of a value");
-    }
-    if (end < header.size()) malformed("bytes follow the header's map");
+    Parser parser(header, values);
+    parser.parse();
+    if (!parser.at_end()) malformed("bytes follow the header's map");
     return values;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Reads the MessagePack header of a message, strictly: a peer's bytes may be wrong in any way and
-// must never cost more memory or time than in proportion to the header's length. msgpack-c parses
-// the bytes to a flat list of values; HeaderReader takes from the list what the protocol expects.
+// must never cost more memory or time than in proportion to the header's length. The bytes
+// become a flat list of values; HeaderReader takes from the list what the protocol expects.
 // Every mistake is a PeerError E_MALFORMED. Texts are views into the frame.
 
 #include <array>

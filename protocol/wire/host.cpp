@@ -48,8 +48,10 @@ struct Host::Impl {
         if (welcome.max_message == 0) welcome.max_message = default_max_message;
         welcome.version = {version_major, version_minor};
         welcome.deadline = options.deadline;
-        if (options.shared_memory && given.endpoint.starts_with("ipc://"))
+        if (options.shared_memory && given.endpoint.starts_with("ipc://")) {
             welcome.capabilities.push_back(shared_memory_capability);
+            Segment::sweep();
+        }
         for (const std::string& role : options.expected_roles) seats.emplace_back(role);
     }
 

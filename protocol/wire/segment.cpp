@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -15,6 +16,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <new>
 
 #include "wire/errors.hpp"
@@ -122,12 +124,43 @@ std::unique_ptr<Segment> Segment::create(std::uint64_t session, const std::strin
     const int descriptor = shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
     if (descriptor < 0) return nullptr;
     std::unique_ptr<Segment> segment(new Segment(descriptor, name, true));
+    flock(descriptor, LOCK_EX | LOCK_NB);  // goes with the process: see sweep()
     // Reserved, not only named: where the memory does not suffice, a later write would be a SIGBUS.
     if (posix_fallocate(descriptor, 0, page) != 0 || !segment->map_words()) return nullptr;
     Words* words = new (segment->words_) Words{};
     words->session = session;
     words->magic = magic;
     return segment;
+}
+
+namespace {
+
+constexpr double young = 10;  // [s] a coupler that has just made its segment may not have locked it
+
+/// A segment of ours that no living coupler holds.
+bool is_left_behind(int descriptor) {
+    struct stat status {};
+    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != geteuid() ||
+        (status.st_mode & 077) != 0 || std::uint64_t(status.st_size) > page)
+        return false;
+    if (std::difftime(std::time(nullptr), status.st_mtime) < young) return false;
+    return flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+}
+
+}  // namespace
+
+int Segment::sweep() {
+    int removed = 0;
+    std::error_code trouble;  // no such folder: no shared memory, nothing to sweep
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", trouble)) {
+        const std::string name = entry.path().filename();
+        if (!name.starts_with("undertow-")) continue;
+        const int descriptor = shm_open(name.c_str(), O_RDWR | O_NOFOLLOW, 0);
+        if (descriptor < 0) continue;
+        if (is_left_behind(descriptor) && shm_unlink(name.c_str()) == 0) ++removed;
+        close(descriptor);
+    }
+    return removed;
 }
 
 std::unique_ptr<Segment> Segment::open(std::uint64_t session, const std::string& participant) {

@@ -40,6 +40,9 @@ class Segment {
     /// The participant's end; removes the name. nullptr when there is no segment of that name, of
     /// this user, for this session: another host or container.
     static std::unique_ptr<Segment> open(std::uint64_t session, const std::string& name);
+    /// The coupler, at its start: removes the names that dead couplers of this user left behind, both
+    /// of whose ends were killed before the participant had mapped it. Returns how many.
+    static int sweep();
     ~Segment();
     Segment(const Segment&) = delete;
     Segment& operator=(const Segment&) = delete;

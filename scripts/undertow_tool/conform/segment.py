@@ -1,5 +1,6 @@
 """The coupler's end of the shared-memory plane "shm1", as docs/protocol.md has it."""
 import ctypes
+import fcntl
 import mmap
 import os
 import struct
@@ -26,6 +27,7 @@ class Segment:
     def __init__(self, session, name):
         self.path = f"/dev/shm/undertow-{session:016x}-{name}"
         self.file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+        fcntl.flock(self.file, fcntl.LOCK_EX)      # a coupler that starts removes what nobody holds
         os.posix_fallocate(self.file, 0, PAGE)
         self.map = mmap.mmap(self.file, PAGE)
         self.words = (ctypes.c_char * PAGE).from_buffer(self.map)

@@ -335,3 +335,30 @@ TEST_CASE("an error crosses the socket while the other end waits at the segment"
     CHECK_THROWS_WITH(one.get(), "coupler: the contact broke");
     CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
 }
+
+TEST_CASE("what dead couplers left in shared memory goes, what living ones hold stays") {
+    const std::uint64_t session = 0x5eed0000dead;
+    const auto path = [&](const std::string& name) {
+        return std::filesystem::path("/dev/shm/undertow-00005eed0000dead-" + name);
+    };
+    const auto make_old = [&](const std::string& name) {
+        const timespec long_ago[2] = {{1000, 0}, {1000, 0}};
+        REQUIRE(utimensat(AT_FDCWD, path(name).c_str(), long_ago, 0) == 0);
+    };
+    // A coupler that is killed together with its participant, before either has removed the name.
+    const pid_t child = fork();
+    if (child == 0) {
+        const auto segment = Segment::create(session, "dead");
+        raise(SIGKILL);
+    }
+    waitpid(child, nullptr, 0);
+    REQUIRE(std::filesystem::exists(path("dead")));
+    const auto living = Segment::create(session, "living");
+    Segment::sweep();
+    CHECK(std::filesystem::exists(path("dead")));  // too young to be judged
+    make_old("dead");
+    make_old("living");
+    CHECK(Segment::sweep() >= 1);
+    CHECK(!std::filesystem::exists(path("dead")));
+    CHECK(std::filesystem::exists(path("living")));
+}
