@@ -18,6 +18,12 @@ constexpr int most_contacts = 4;  // of one particle: a corner of three walls, a
 // Two feet are one point when they differ by less than this share of l0: round-off of positions.
 constexpr double same_point = 1e-9;
 
+// The point touched at the step before is off the plane of a neighboring facet of the same face by
+// less than this share of l0; two faces that a particle can touch together are farther apart.
+constexpr double same_face = 0.25;
+
+constexpr std::uint32_t no_facet = 0xffffffffu;
+
 }  // namespace
 
 struct Touch {
@@ -116,11 +122,41 @@ Contact make_contact(const Points& active, const Surface& surface, std::uint32_t
     return contact;
 }
 
-/// Chooses the contacts of one particle among what it touches.
+/// Does the touch see the particle squarely from behind?
+bool from_behind(const Touch& touch) {
+    return !touch.free_rim && touch.side < -0.7 * touch.foot.distance;
+}
+
+/// The face that the particle touched at the step before and has passed since, nullptr if none: it
+/// looks the same way and holds the point that was touched.
+const Touch* passed_face(const DetectionRules& rules, const Surface& surface, double l0,
+                         std::uint32_t facet, const std::array<double, 4>& weight,
+                         const Touch& closest, TouchList& touches, const Vec& x) {
+    if (std::none_of(touches.begin(), touches.end(), from_behind)) return nullptr;
+    const Vec facing = surface.plane(facet).normal;
+    if (!closest.wet() && closest.foot.normal.dot(facing) > 0) return nullptr;  // no doubt
+    Vec touched = Vec::Zero();
+    for (int a = 0; a < 4; ++a) touched += weight[a] * surface.position(surface.corners(facet)[a]);
+    const Touch* passed = nullptr;
+    for (const Touch& touch : touches) {
+        if (!from_behind(touch) || touch.foot.distance > rules.behind * l0) continue;
+        if (touch.foot.normal.dot(facing) < 0.5) continue;
+        const Vec at = x - touch.foot.offset;
+        if (std::abs(touch.foot.normal.dot(touched - at)) > same_face * l0) continue;
+        if (!passed || touch.foot.distance < passed->foot.distance) passed = &touch;
+    }
+    return passed;
+}
+
+/// Chooses the contacts of one particle among what it touches. passed: see passed_face.
 void select(const DetectionRules& rules, const Points& active, const Surface& surface,
-            std::uint32_t particle, TouchList& touches, std::vector<Contact>& contacts) {
+            std::uint32_t particle, const Touch& closest, const Touch* passed, TouchList& touches,
+            std::vector<Contact>& contacts) {
     const double l0 = active.radius[particle], tolerance = same_point * l0;
-    const Touch& closest = nearest(touches, tolerance);
+    if (passed) {
+        contacts.push_back(make_contact(active, surface, particle, *passed, -1));
+        return;
+    }
     if (!closest.wet()) {
         if (closest.foot.distance <= rules.behind * l0)
             contacts.push_back(make_contact(active, surface, particle, closest, -1));
@@ -206,8 +242,14 @@ double approach_rate(const Points& active, const Surface& surface, std::size_t i
 Detector::Detector(DetectionRules rules, int threads)
     : rules_(rules), threads_(std::max(1, threads)), per_thread_(threads_) {}
 
-void Detector::renew(const Points& active, const Surface& surface,
-                     const CandidateList& candidates) {
+void Detector::renew(const Points& active, const Surface& surface, const CandidateList& candidates,
+                     std::span<const std::int64_t> old_row) {
+    next_side_.resize(active.size());
+    for (std::size_t i = 0; i < active.size(); ++i)
+        next_side_[i] = old_row[i] >= 0 && std::size_t(old_row[i]) < side_.size()
+                            ? side_[old_row[i]]
+                            : Side{no_facet, {}};
+    side_.swap(next_side_);
     x_nodes_.assign(surface.x().begin(), surface.x().end());
     travel_ = 0;
     distance_.assign(candidates.distance.begin(), candidates.distance.end());
@@ -277,7 +319,22 @@ double Detector::detect(const Points& active, const Surface& surface,
                                             candidates.facet.data() + candidates.start[i + 1]}));
             touches.clear();
             find_touches(active, surface, candidates, std::size_t(i), touches);
-            if (!touches.empty()) select(rules_, active, surface, std::uint32_t(i), touches, mine);
+            Side& side = side_[i];
+            const std::size_t first = mine.size();
+            if (!touches.empty()) {
+                const double l0 = active.radius[i];
+                const Touch& closest = nearest(touches, same_point * l0);
+                const Touch* passed =
+                    side.facet == no_facet
+                        ? nullptr
+                        : passed_face(rules_, surface, l0, side.facet, side.weight, closest,
+                                      touches, Vec::Map(&active.x[3 * i]));
+                select(rules_, active, surface, std::uint32_t(i), closest, passed, touches, mine);
+            }
+            if (mine.size() > first)
+                side = {mine[first].facet, mine[first].weight};
+            else
+                side.facet = no_facet;
         }
     }
     if (threads_ > 1)

@@ -16,6 +16,12 @@
 // to `behind` l0 below the surface. At a free edge of an open surface nothing is inside: the edge
 // is round. If the nearest point says outside, facets that see the particle from behind are the far
 // side of a thin body and do not act.
+//
+// A particle remembers its side. Between the faces of a plate thinner than l0 the nearest point may
+// be on the wrong one; so where it touched at the step before is kept as a point of the surface,
+// which moves along. If the nearest point lies on a face that looks the other way (or sees the
+// particle from outside), and the face that was touched sees it from behind, the particle has passed
+// that face and is pushed back through it. Who touches nothing has no side.
 
 #include <span>
 #include <vector>
@@ -66,7 +72,9 @@ class Detector {
     explicit Detector(DetectionRules rules = {}, int threads = 1);
 
     /// The candidates were searched anew, with particles and surface where they are now.
-    void renew(const Points& active, const Surface& surface, const CandidateList& candidates);
+    /// old_row[i]: the former row of active particle i, or -1 if it was not active.
+    void renew(const Points& active, const Surface& surface, const CandidateList& candidates,
+               std::span<const std::int64_t> old_row);
 
     /// contacts: ordered by particle, then depth. Returns the largest step [s] during which no
     /// particle moves by more than step_share * l0 towards a facet it may touch. Particles too slow
@@ -81,6 +89,11 @@ class Detector {
         double travel;  // [m] travel_ at that time
         float nearest;  // [m] of its candidates, rounded down
     };
+    /// Where a particle touched at the step before.
+    struct Side {
+        std::uint32_t facet;
+        std::array<double, 4> weight;
+    };
     void follow(const Surface& surface);
     void find_touches(const Points& active, const Surface& surface, const CandidateList& candidates,
                       std::size_t i, TouchList& touches);
@@ -88,6 +101,7 @@ class Detector {
     DetectionRules rules_;
     int threads_;
     std::vector<Look> look_;       // per active particle
+    std::vector<Side> side_, next_side_;  // per active particle
     std::vector<float> distance_;  // [m] per candidate, at its particle's look
     std::vector<double> x_nodes_;  // [m] of the last step
     double travel_ = 0;            // [m] no node has moved farther since the search

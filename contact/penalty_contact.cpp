@@ -69,7 +69,7 @@ void PenaltyContact::rebuild(const Points& points, double skin, std::span<const 
     law_.renumber(former_row_);
     x_ = x_rebuilt_;
     v_ = v_rebuilt_;
-    detector_.renew(active_points(), surface_, candidates_);
+    detector_.renew(active_points(), surface_, candidates_, former_row_);
     detect(longest_dt);
 }
 
