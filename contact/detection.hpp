@@ -51,9 +51,8 @@ struct Contact {
     // Filled by the force laws.
     double stiffness = 0;        // [N/m]
     double mass = 0;             // [kg] effective mass of the stability budget
-    double share = 1;            // s of the elastic force s k d, see EdgeShare
     double normal_force = 0;     // [N] >= 0
-    double damping_force = 0;    // [N] part of normal_force that is not s k d
+    double damping_force = 0;    // [N] part of normal_force that is not stiffness * depth
     Vec friction = Vec::Zero();  // [N] on the particle
     Vec force = Vec::Zero();     // [N] on the particle, normal and friction
 };

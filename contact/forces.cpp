@@ -45,14 +45,12 @@ void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
     const double eta_t = std::min(1.0, 0.5 * settings_.beta + settings_.eta);
     const Eq11Stiffness limit{settings_.beta, dt};
     const NormalDamping damping{settings_.beta, settings_.eta, dt};
-    const EdgeShare share{last_dt_, dt};
-    last_dt_ = dt;
     const auto with_friction = [&](const auto& friction) {
         if (settings_.stiffness == StiffnessKind::fluid)
-            push(FluidStiffness{limit, settings_.chi}, share, damping, friction, active, surface,
+            push(FluidStiffness{limit, settings_.chi}, damping, friction, active, surface,
                  contacts);
         else
-            push(limit, share, damping, friction, active, surface, contacts);
+            push(limit, damping, friction, active, surface, contacts);
     };
     if (settings_.friction == FrictionKind::coulomb)
         with_friction(CoulombFriction{settings_.mu, eta_t, dt});
@@ -92,9 +90,9 @@ void ForceLaw::share_masses(const Surface& surface, const std::vector<Contact>& 
 
 /// Mass, stiffness and force of every contact.
 template <typename Stiffness, typename Friction>
-void ForceLaw::push(const Stiffness& stiffness_of, const EdgeShare& share_of,
-                    const NormalDamping& damping, const Friction& friction, const Points& active,
-                    const Surface& surface, std::vector<Contact>& contacts) {
+void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
+                    const Friction& friction, const Points& active, const Surface& surface,
+                    std::vector<Contact>& contacts) {
     former_.swap(in_contact_);
     in_contact_.clear();
     double largest = 0, health = 0;  // health is NaN as soon as one force is NaN or infinite
@@ -113,8 +111,7 @@ void ForceLaw::push(const Stiffness& stiffness_of, const EdgeShare& share_of,
         // Within a contact the stiffness falls or stays.
         const double before = memory_[contact.particle];
         double k = stiffness_of(m_c, active.stiffness[contact.particle]);
-        const bool held = before > 0;
-        if (held) {
+        if (before > 0) {
             k = std::min(k, before);
         }
         // A particle in a corner remembers the softest of its contacts. Whoever has left the
@@ -127,9 +124,8 @@ void ForceLaw::push(const Stiffness& stiffness_of, const EdgeShare& share_of,
             next = std::min(next, k);
         }
 
-        /// f_n = max(0, s k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
-        contact.share = share_of(held, contact.depth, contact.closing, k * contact.depth / m_c);
-        const double elastic = contact.share * k * contact.depth;
+        /// f_n = max(0, k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
+        const double elastic = k * contact.depth;
         const double f_n = std::max(0.0, elastic + damping(m_c, k) * contact.closing);
         const double speed = contact.slip.norm();
         const double drag = friction(m_c, f_n, speed);

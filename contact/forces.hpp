@@ -22,7 +22,6 @@
 namespace undertow::contact {
 
 struct NormalDamping;
-struct EdgeShare;
 
 enum class StiffnessKind { fluid, eq11 };
 enum class FrictionKind { coulomb, viscous };
@@ -62,9 +61,8 @@ class ForceLaw {
  private:
     void share_masses(const Surface& surface, const std::vector<Contact>& contacts);
     template <typename Stiffness, typename Friction>
-    void push(const Stiffness& stiffness, const EdgeShare& share, const NormalDamping& damping,
-              const Friction& friction, const Points& active, const Surface& surface,
-              std::vector<Contact>& contacts);
+    void push(const Stiffness& stiffness, const NormalDamping& damping, const Friction& friction,
+              const Points& active, const Surface& surface, std::vector<Contact>& contacts);
     void sum(const Surface& surface, const std::vector<Contact>& contacts);
     void clear(std::size_t particles, std::size_t nodes);
 
@@ -86,7 +84,6 @@ class ForceLaw {
     std::vector<double> particle_force_, node_force_;  // [N]
     double largest_ = 0;                               // [N] component of a contact force
     double quantum_ = 0;                               // [N]
-    double last_dt_ = 0;                               // [s] of the step before
     bool finite_ = true;
 };
 

@@ -34,32 +34,6 @@ struct FluidStiffness {
     }
 };
 
-/// Share s of the elastic force k d in the steps in which a spring closes or opens; 1 in all others.
-/// Leapfrog keeps kinetic energy + k d^n d^{n+1}/2 while the spring is closed. It finds the spring
-/// already compressed at its first step and leaves it stretched at its last: both together scatter
-/// the restitution by 2.2 % at beta = 0.25, with where in a step the impact begins. With s
-///   at the first step  s (w + w') kick = d + w' dt      the work of the force is what is stored
-///   at the last step  -s (w + w') kick = d - w dt_      the work is what was stored
-/// where w [m/s] is the closing speed before the kick, w' = w - s k d kick/m_c after it,
-/// dt_ the step before and kick = (dt_ + dt)/2. Both are quadratic in s.
-struct EdgeShare {
-    double dt_before;  // [s] 0 at the first step of all
-    double dt;         // [s]
-    /// held: the particle was in contact at the step before. push = k d/m_c [m/s2]
-    double operator()(bool held, double depth, double closing, double push) const {
-        const double kick = 0.5 * (dt_before + dt), w = closing, jolt = push * kick;
-        if (!held && w * dt_before > depth) {
-            const double b = 2 * w * kick + jolt * dt, c = depth + w * dt;
-            return std::min(1.0, 2 * c / (b + std::sqrt(std::max(0.0, b * b - 4 * jolt * kick * c))));
-        }
-        if (w < 0 && depth + (w - jolt) * dt < 0) {
-            const double c = depth - w * dt_before, b = w * kick;
-            return std::min(1.0, c / (std::sqrt(b * b + jolt * kick * c) - b));
-        }
-        return 1;
-    }
-};
-
 /// c = min(2 sqrt(k m_c), eta' m_c/dt)  [N s/m]: critical if the stability budget allows.
 /// eta' = eta + (beta - k dt^2/m_c)/2: what the stiffness leaves of beta + 2 eta goes to damping.
 /// eta = 0 switches damping off.

@@ -80,7 +80,7 @@ void Ledger::book_contacts(const std::vector<Contact>& contacts,
                            std::span<const double> v_particles, const RowChanges& rows,
                            const Surface& surface) {
     const double dt_change = step_.dt_before - step_.dt;
-    double damping = 0, friction = 0, uneven = 0, unshared = 0;
+    double damping = 0, friction = 0, uneven = 0;
     ahead_.clear();
     for (const Contact& contact : contacts) {
         const std::int64_t row = row_after(rows, contact.particle);
@@ -92,12 +92,10 @@ void Ledger::book_contacts(const std::vector<Contact>& contacts,
                      elastic = contact.stiffness * contact.depth;
         ahead_.push_back(contact.depth + step_.dt * w_after);
         uneven += elastic * (w_after - contact.closing);
-        unshared += (1 - contact.share) * elastic * (w_after + contact.closing);
         damping += contact.damping_force * (w_after + contact.closing);
         friction += contact.friction.dot(before + after);
     }
     energy_.uneven += 0.25 * dt_change * uneven;
-    energy_.impact -= 0.5 * step_.kick() * unshared;
     energy_.damping += 0.5 * step_.kick() * damping;
     energy_.friction -= 0.5 * step_.kick() * friction;
 }

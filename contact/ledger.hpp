@@ -9,16 +9,15 @@
 //     residual = W_particles + W_surface + penalty + damping + friction + relaxation
 //                + impact + uneven + turning   [J]
 // Of one spring, with closing speeds w- and w+ around step n and the depths d- = d - dt^{n-1} w-
-// and d+ = d + dt^n w+ that follow from them, the elastic force s k d does the work
-//     - s k d (w- + w+)/2 kick = k d d-/2 - k d d+/2  - k d (dt^{n-1} - dt^n)(w+ - w-)/4
-//                                                     + (1 - s) k d (w- + w+)/2 kick
+// and d+ = d + dt^n w+ that follow from them, the elastic force k d does the work
+//     - k d (w- + w+)/2 kick = k d d-/2 - k d d+/2  - k d (dt^{n-1} - dt^n)(w+ - w-)/4
 // an identity. k d d+/2 of a step and k d d-/2 of the next are the same energy if the spring stays
 // closed, k stays what it is and the depth changes as the velocities say; where they differ:
-//     impact      it closes: - k d d-/2, opens: k d d+/2, and the (1 - s) of both steps
+//     impact      it closes: - k d d-/2, opens: k d d+/2
 //     relaxation  k falls: (k' - k) d d'/2
 //     turning     the depth is not what the velocities say: the normal turned, the contact went to
 //                 another facet, a solver moved a point otherwise than by its velocity
-//     uneven      dt changes: the third term above
+//     uneven      dt changes: the last term above
 // Works come from forces and velocities of particles and nodes, everything else from the contacts:
 // what is left over is round-off, or a force that was not what its contact says.
 
