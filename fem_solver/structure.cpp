@@ -64,17 +64,24 @@ Structure::Structure(Model model, int threads)
     if (!model_.contacts.empty()) make_pairs();
 }
 
+// Of the stability budget 4, contact takes no more of a node than cfl = 0.9 leaves. Stable are springs
+// up to 4, but an impact begins within a step: from 2.25 on a node may leave faster than it came, and
+// nodes that hang on elements chatter at the edge of a contact from 1.5 on
+// (docs/theory_fem.md, section 10). A smaller step makes springs stiffer all the same, as 1/dt^2.
+constexpr double most_for_impacts = 0.76;
+
 /// What elements and coupler leave of the stability budget 4 goes to contact inside the mesh:
 /// 4 (1 - cfl^2) at a node, less what the coupler takes at its own; a rigid body has no elements.
 ContactBudget Structure::budget_of(const ContactSet& set) const {
     const double room = 4 * (1 - model_.cfl * model_.cfl);
     const auto share = [&](double most, std::int32_t n) {
         const std::vector<std::int32_t>& coupled = model_.surface.node;
-        return most - (std::binary_search(coupled.begin(), coupled.end(), n) ? model_.coupled_share
-                                                                             : 0);
+        const bool is_coupled = std::binary_search(coupled.begin(), coupled.end(), n);
+        return most - (is_coupled ? model_.coupled_share : 0);
     };
     ContactBudget budget{std::min(stable_.dt, model_.max_step), {}, 4};
-    for (std::int32_t n : set.nodes) budget.share.push_back(share(room, n));
+    for (std::int32_t n : set.nodes)
+        budget.share.push_back(std::min(most_for_impacts, share(room, n)));
     const bool on_body = set.body >= 0;
     for (const Quad& q : set.surface)
         for (std::int32_t n : q)

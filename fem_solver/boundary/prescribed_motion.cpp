@@ -61,6 +61,7 @@ void PrescribedMotion::after_kick(Nodes& nodes, const Kick& step, double t, Kick
     next_ = law_(t + dt);
     Vector force = Vector::Zero(), moment = Vector::Zero();
     double before = 0, after = 0;
+    double blow = 0;  // [J] see RigidBody::Driven
     const Vector center = vector(law_.center()) + vector(now_.shift);
     for (std::size_t i = 0; i < node_.size(); ++i) {
         const std::int32_t n = node_[i];
@@ -78,6 +79,7 @@ void PrescribedMotion::after_kick(Nodes& nodes, const Kick& step, double t, Kick
                 report.kinetic += 0.5 * m * v * v_old;
                 before += r[d] * v_old;
                 after += r[d] * v;
+                if (step.dt_before == 0) blow += 0.5 * m * v * v;
             }
             speed2 += v * v;
         }
@@ -88,7 +90,7 @@ void PrescribedMotion::after_kick(Nodes& nodes, const Kick& step, double t, Kick
     }
     force_ = {{force[0], force[1], force[2]}, {moment[0], moment[1], moment[2]}};
     work_ += ahead_ + 0.5 * step.dt_before * before;
-    ahead_ = 0.5 * dt * after;
+    ahead_ = 0.5 * dt * after - blow;
 }
 
 void PrescribedMotion::drive(RigidBody& body, double t, double dt) {
@@ -107,6 +109,7 @@ void PrescribedMotion::read_force(const RigidBody& body, const Kick& step) {
     force_ = driven.force;
     work_ += ahead_ + 0.5 * step.dt_before * driven.power_before;
     ahead_ = 0.5 * step.dt_after * driven.power_after;
+    if (step.dt_before == 0) ahead_ -= driven.blow;
 }
 
 void PrescribedMotion::drift() {

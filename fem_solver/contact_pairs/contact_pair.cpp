@@ -60,7 +60,8 @@ struct ContactPair::State {
     ContactSet set;
     TouchedSurface surface;
     std::vector<Toucher> toucher;
-    double dt_limit;  // [s]
+    double dt_limit;           // [s]
+    double least_radius = 0;  // [m] within which a node may be pushed at the start
     int threads;
 
     contact::FacetCells cells;
@@ -84,6 +85,7 @@ struct ContactPair::State {
 
     double skin() const { return skin_in_gaps * set.gap; }
     void gather(const Nodes& nodes);
+    void widen(double dt);
     void search();
     bool is_stale() const;
     void find_start(const Nodes& nodes);
@@ -91,7 +93,7 @@ struct ContactPair::State {
     std::vector<double> stiffness_at(double s, const std::vector<double>& omega,
                                      const std::vector<double>& yields, const RigidBody* body,
                                      const ContactBudget& budget) const;
-    int largest_valence() const;
+    double largest_load() const;
     void set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
                        const ContactBudget& budget);
     bool find_touch(std::size_t i);
@@ -116,6 +118,23 @@ bool ContactPair::State::is_stale() const {
         return std::sqrt(squared);
     };
     return largest(x, x_searched) + largest(surface.facets().x(), surface_searched) > skin();
+}
+
+/// Nodes pressed behind the surface stay in reach, and those that a step takes there come into it:
+/// until the next search both move by less than the skin and one step.
+void ContactPair::State::widen(double dt) {
+    const auto speed2 = [](const double* a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; };
+    double of_surface = 0;
+    const auto moves = surface.facets().v();
+    for (std::size_t i = 0; i < moves.size(); i += 3)
+        of_surface = std::max(of_surface, speed2(&moves[i]));
+    of_surface = std::sqrt(of_surface);
+    for (std::size_t i = 0; i < toucher.size(); ++i) {
+        const double behind = toucher[i].has_touch ? -toucher[i].touch.distance : 0;
+        radius[i] = near_in_gaps * set.gap + std::max(0.0, behind) +
+                    2 * dt * (std::sqrt(speed2(&v[3 * i])) + of_surface);
+        radius[i] = std::max(radius[i], least_radius);
+    }
 }
 
 void ContactPair::State::search() {
@@ -173,21 +192,22 @@ void ContactPair::State::find_start(const Nodes& nodes) {
             " m) of \"surface\"; check the sets, the gap and the surface's normals.");
 }
 
-/// Most touching nodes whose foot hangs on one node of the surface, and one for those to come.
-int ContactPair::State::largest_valence() const {
-    std::vector<int> count(surface.node().size(), 0);
+/// Largest sum of the weights of feet on one node of the surface, and one for feet to come.
+double ContactPair::State::largest_load() const {
+    std::vector<double> sum(surface.node().size(), 0.0);
     for (const Toucher& t : toucher)
         if (t.near_at_start)
-            for (int a = 0; a < 4; ++a) ++count[surface.facets().corners(t.touch.facet)[a]];
-    return 1 + *std::max_element(count.begin(), count.end());
+            for (int a = 0; a < 4; ++a)
+                sum[surface.facets().corners(t.touch.facet)[a]] += t.touch.weight[a];
+    return 1 + *std::max_element(sum.begin(), sum.end());
 }
 
-/// [1/kg] n/m of a deformable surface; 0 of one that is held.
+/// [1/kg] S/m of a deformable surface; 0 of one that is held.
 double ContactPair::State::surface_yields(const Nodes& nodes) const {
     double yields = 0;
     for (std::int32_t n : surface.node())
         for (int d = 0; d < 3; ++d) yields = std::max(yields, nodes.inverse_mass[n].c[d]);
-    return largest_valence() * yields;
+    return largest_load() * yields;
 }
 
 /// Stiffness when the nodes take the share s of (u_s - u_m)^2, the body the rest.
@@ -314,7 +334,8 @@ void ContactPair::balance(const NodeRows& load) {
         if (push > 0) t.reach += push / t.k;
         most = std::max(most, t.reach);
     }
-    std::fill(s.radius.begin(), s.radius.end(), std::max(near_in_gaps * s.set.gap, most));
+    s.least_radius = std::max(near_in_gaps * s.set.gap, most);
+    std::fill(s.radius.begin(), s.radius.end(), s.least_radius);
     s.search();
 }
 
@@ -323,7 +344,10 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
     s.gather(nodes);
     for (std::size_t i = 0; i < s.set.nodes.size(); ++i)
         for (int d = 0; d < 3; ++d) s.v[3 * i + d] = nodes.v[s.set.nodes[i]].c[d];
-    if (s.is_stale()) s.search();
+    if (s.is_stale()) {
+        s.widen(dt);
+        s.search();
+    }
     s.surface.refresh_normals();
     Vector turn_rate = Vector::Zero();
     if (s.set.body >= 0) {

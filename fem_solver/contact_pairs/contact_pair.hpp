@@ -19,8 +19,9 @@
 // with omega_body that of the free body on all its springs, zeta = 0.1 and c = 2 zeta k/omega: then
 // beta + 2 eta = (omega dt)^2 + 4 zeta omega dt is the share of the node. s is the one that leaves
 // the stiffest springs. A rigid body has all of the budget that the coupler does not take, since no
-// element hangs on it. Deformable facets: 1/m_node + n/m_surface in the place of 1/(s m_node), n
-// the number of contacts that may hang on one node.
+// element hangs on it. Deformable facets: 1/m_node + S/m_surface in the place of 1/(s m_node), S
+// the largest sum of the weights of feet on one node, and one for what slides there
+// (docs/theory_contact.md, section 3).
 //
 // On a rigid body the force acts at the node's own place, so that force and moment are equal and
 // opposite to round-off. On deformable facets it is split by the weights of the foot: forces are

@@ -103,12 +103,14 @@ void RigidBody::State::find_drive(const Wrench& pull, const Vector& v_old, const
             driven.force.force[d] = f;
             driven.power_before += f * v_old[d];
             driven.power_after += f * v[d];
+            driven.blow += 0.5 * mass * v[d] * v[d];
         }
         if (set.turn_driven) {
             const double m = (L[d] - L_old[d]) / span - pull.moment[d];
             driven.force.moment[d] = m;
             driven.power_before += m * w_old[d];
             driven.power_after += m * w[d];
+            driven.blow += 0.5 * L[d] * w[d];
         }
     }
 }

@@ -53,6 +53,9 @@ class RigidBody {
     struct Driven {
         Wrench force;                              // about the center
         double power_before = 0, power_after = 0;  // [W] with the velocities before and after n
+        // [J] kinetic energy of what is told: in the first step, half a kick from rest, its inertia
+        // takes as much less work than force times path of the whole step
+        double blow = 0;
     };
     const Driven& driven() const;
     /// Ends all motion.

@@ -85,6 +85,32 @@ TEST_CASE(
     CHECK(e.kinetic > 0.2);
 }
 
+TEST_CASE("a velocity that begins at once takes the kinetic energy that it gives, no more") {
+    const bool rigid = GENERATE(false, true);
+    BlockCase block{{0.1, 0.2, 0.3}, {1, 2, 2}};
+    Case c = block.settings();
+    c.time.end = 1;
+    FemMotion blow;
+    blow.name = "blow";
+    blow.velocity = {1, 0, 2};
+    blow.set = "block";
+    if (rigid) {
+        c.fem.rigid = {{"brick", "block", {}, 0, {}}};
+        blow.set.clear();
+        blow.rigid = "brick";
+    }
+    c.fem.motion = {blow};
+    Structure s(build_model(c), 1);
+    double t = 0;
+    march_unevenly(s, 1e-5, 20, t);
+    s.internal_forces();
+    s.pressure_forces(t);
+    s.finish();
+    const Energies e = s.energies();
+    CHECK(e.kinetic == Approx(0.5 * 6 * 5));
+    CHECK(std::abs(e.balance_error()) < 1e-9 * e.kinetic);
+}
+
 TEST_CASE("a body that is told to turn turns, and its moment is I times the angular acceleration") {
     const bool rigid = GENERATE(true, false);
     BlockCase block{{0.3, 0.1, 0.2}, {3, 1, 2}};
