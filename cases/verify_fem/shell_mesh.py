@@ -7,7 +7,7 @@ class ShellMesh:
 
     def __init__(self):
         self.x, self.index = [], {}
-        self.quads, self.edges, self.points = {}, {}, {}
+        self.quads, self.edges, self.points, self.hexahedra = {}, {}, {}, {}
 
     def node(self, point):
         key = tuple(round(1e7 * c) for c in point)
@@ -38,9 +38,10 @@ class ShellMesh:
         sets = [(0, 15, name, cells) for name, cells in self.points.items()]
         sets += [(1, 1, name, cells) for name, cells in self.edges.items()]
         sets += [(2, 3, name, cells) for name, cells in self.quads.items()]
+        sets += [(3, 5, name, cells) for name, cells in self.hexahedra.items()]
         out = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(sets))]
         out += [f'{dimension} {k + 1} "{name}"' for k, (dimension, _, name, _) in enumerate(sets)]
-        out += ["$EndPhysicalNames", "$Entities", f"{len(self.points)} {len(self.edges)} {len(self.quads)} 0"]
+        out += ["$EndPhysicalNames", "$Entities", f"{len(self.points)} {len(self.edges)} {len(self.quads)} {len(self.hexahedra)}"]
         box = " ".join(f"{v:.6g}" for v in (*x.min(axis=0), *x.max(axis=0)))
         for k, (dimension, _, _, cells) in enumerate(sets):
             at = " ".join(f"{v:.6g}" for v in x[cells[0][0]]) if dimension == 0 else box

@@ -40,10 +40,12 @@ class BucketMesh(unittest.TestCase):
         self.assertFalse(clay & {n for f in mesh.facets["bucket_skirt"] for n in f})
 
 
-class ShellMeshes(unittest.TestCase):
+class VerifiedMeshes(unittest.TestCase):
     def test_kept_meshes_are_what_the_recipes_make(self):
         for case, mesh, sizes in (("scordelis_lo", "roof", (8, 16, 32)), ("i_beam", "i_beam", (20, 40, 80)),
-                                  ("pinched_cylinder", "cylinder", (8, 16, 32)), ("twisted_beam", "beams", (12, 24, 48))):
+                                  ("pinched_cylinder", "cylinder", (8, 16, 32)), ("twisted_beam", "beams", (12, 24, 48)),
+                                  ("bar_impact", "bars", (50, 100, 200)),
+                                  ("hertz_cylinder", "hertz", (4, 8, 16))):
             folder = CASES / "verify_fem" / case
             for n in sizes:
                 with tempfile.TemporaryDirectory() as made:
