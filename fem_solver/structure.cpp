@@ -64,9 +64,9 @@ Structure::Structure(Model model, int threads)
     if (!model_.contacts.empty()) make_pairs();
 }
 
-// Of the stability budget 4, contact takes no more of a node than cfl = 0.9 leaves. Stable are springs
-// up to 4, but an impact begins within a step: from 2.25 on a node may leave faster than it came, and
-// nodes that hang on elements chatter at the edge of a contact from 1.5 on
+// Of the stability budget 4, contact takes no more of a node than cfl = 0.9 leaves. Stable are
+// springs up to 4, but an impact begins within a step: from 2.25 on a node may leave faster than it
+// came, and nodes that hang on elements chatter at the edge of a contact from 1.5 on
 // (docs/theory_fem.md, section 10). A smaller step makes springs stiffer all the same, as 1/dt^2.
 constexpr double most_for_impacts = 0.76;
 
