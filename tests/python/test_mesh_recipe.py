@@ -46,7 +46,8 @@ class VerifiedMeshes(unittest.TestCase):
                                   ("pinched_cylinder", "cylinder", (8, 16, 32)), ("twisted_beam", "beams", (12, 24, 48)),
                                   ("bar_impact", "bars", (50, 100, 200)),
                                   ("hertz_cylinder", "hertz", (4, 8, 16)),
-                                  ("sliding_block", "blocks", (2, 4, 8)), ("skirt_pull_out", "skirts", (4, 8, 16))):
+                                  ("sliding_block", "blocks", (2, 4, 8)), ("skirt_pull_out", "skirts", (4, 8, 16)),
+                                  ("taylor_bar", "bar", (4, 6, 8))):
             folder = CASES / "verify_fem" / case
             for n in sizes:
                 with tempfile.TemporaryDirectory() as made:
