@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # scripts/bench.sh sph|fem|coupling [--json FILE]: builds and runs a benchmark; its figures on the screen, and
 # as {"key": number, ...} in FILE, where keys that are there already and are not measured now stay.
-# coupling: messages of one step by shm, ipc and tcp [us]. Contact: build/bin/bench_contact_cost.
+# coupling: messages of one step by shm, ipc and tcp [us], and what coupling adds to a run. Contact: build/bin/bench_contact_cost.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -27,11 +27,17 @@ build=${UNDERTOW_BUILD:-build}
 cmake --build "$build" --target "$bench" >/dev/null
 export OMP_WAIT_POLICY=passive GOMP_SPINCOUNT=0
 figures=$("$build/bin/$bench" --json)
+more='{}'
+if [[ $part == coupling ]]; then
+    cmake --build "$build" --target programs >/dev/null
+    more=$(tests/benchmarks/overhead.py)
+fi
 if [[ -z $file ]]; then
     echo "$figures"
+    [[ $more == '{}' ]] || echo "$more"
     exit
 fi
-FIGURES=$figures /usr/bin/python3 - "$file" <<'PYTHON'
+FIGURES=$figures MORE=$more /usr/bin/python3 - "$file" <<'PYTHON'
 import json
 import os
 import pathlib
@@ -44,7 +50,7 @@ except FileNotFoundError:
     figures = {}
 except json.JSONDecodeError as error:
     sys.exit(f"{path} is there but is not JSON ({error}): name another file.")
-figures.update(json.loads(os.environ["FIGURES"]))
+figures.update(json.loads(os.environ["FIGURES"]) | json.loads(os.environ["MORE"]))
 path.write_text(json.dumps(figures, indent=2) + "\n")
 PYTHON
 echo "figures in $file"

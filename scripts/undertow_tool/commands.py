@@ -86,7 +86,7 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
                            ["--record"] if arguments.record else [])
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": arguments.level,
                "variants": arguments.variants, "set": arguments.set, "ok": outcome.code == DONE,
-               "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "threads": threads,
+               "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "cpu_s": round(outcome.cpu_s, 3), "threads": threads,
                **join_summaries(out)}
     if outcome.failed:
         write_json(out / "summary.json", summary)

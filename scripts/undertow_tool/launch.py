@@ -1,6 +1,7 @@
 """Starts the programs of a run, watches them, ends them together."""
 import ctypes
 import os
+import resource
 import shlex
 import shutil
 import signal
@@ -37,6 +38,7 @@ class Outcome:
     wall_s: float
     failed: Child = None            # whose failure came first
     children: list = field(default_factory=list)
+    cpu_s: float = 0.0              # of all programs together
 
 
 def split_threads(total, names):
@@ -210,6 +212,12 @@ def how_it_ended(child):
     return f"failed with exit code {child.code}"
 
 
+def cpu_of_children():
+    """[s] of all that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_coupler=()):
     """Runs a case; returns an Outcome. The socket lives in a private folder that goes with the run."""
     private = tempfile.mkdtemp(prefix="undertow-")       # mode 0700
@@ -218,7 +226,9 @@ def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_
         children = plan(case, layer_options, out, threads, backend, quiet, endpoint, wire, of_coupler)
         (out / "commands.txt").write_text("".join(shlex.join(map(str, c.command)) + "\n" for c in children))
         sys.stdout.flush()
+        before = cpu_of_children()
         outcome = Watch(children, out).run()
+        outcome.cpu_s = cpu_of_children() - before
     finally:
         shutil.rmtree(private, ignore_errors=True)
     for child in children:

@@ -4,14 +4,13 @@ What the run took longer than the slower solver alone is the price of the coupli
 and waiting for each other's slow steps.
 """
 import json
-import resource
 import shlex
 import subprocess
 import time
 from pathlib import Path
 
 from .errors import DONE, RunFailed, UserError
-from .launch import environment
+from .launch import cpu_of_children, environment
 from .paths import TOP, shown
 from .results_folder import read_json
 
@@ -55,17 +54,17 @@ def measure(folder, who):
     out.mkdir(exist_ok=True)
     command = replay_command(folder, who, out)
     threads = int(command[command.index("--threads") + 1]) if "--threads" in command else 1
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    before, start = cpu_of_children(), time.monotonic()
     place = Path.cwd() if Path(command[1]).exists() else TOP
     done = subprocess.run(command, cwd=place, env=environment(threads), capture_output=True, text=True, check=False)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = cpu_of_children() - before
     if done.returncode != 0:
         raise RunFailed(done.returncode, f"the replay of {who} ended with {done.returncode}: {done.stderr.strip()}")
     own, run = read_json(out / f"summary.{who}.json") or {}, read_json(folder / "summary.coupler.json") or {}
     own = own | own.get(who, {})
     wall = own.get("wall_s", time.monotonic() - start)
     figures = {"who": who, "steps": run.get("steps"), "wall_s": wall,
-               "cpu_s": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
+               "cpu_s": cpu, "run_cpu_s": (read_json(folder / "summary.json") or {}).get("cpu_s"),
                "run_wall_s": run.get("wall_s"), "verdict": verdict_of(out / Path(command[0]).with_suffix(".log").name)}
     if run.get("wall_s"):
         figures["overhead_fraction"] = 1 - wall / run["wall_s"]
