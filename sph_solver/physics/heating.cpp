@@ -45,7 +45,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
             }
             const Wide approach = vx * dx + vy * dy + vz * dz, closing = negative_part(approach);
             const Wide per_r2 = precise_reciprocal(r2);
-            shock += F * with.shock * length * (closing * closing) * per_r2;
+            shock += F * with.border * with.shock * length * (closing * closing) * per_r2;
             const Wide pair_mu =
                 variable ? mean_viscosity(with.same, i.own.root_mu, root_mu[*at]) : with.mu;
             if constexpr (form == ViscousForm::strain) {

@@ -69,6 +69,8 @@ inline void look_up(const Mixture<Real>& mixture, const Record<Real>* records, c
             m.with[b].same[k] = meeting.same;
             m.with[b].shock[k] = meeting.shock;
             m.with[b].mu[k] = meeting.mu;
+            if (!mixture.sized) continue;
+            m.with[b].border[k] = meeting.border, m.with[b].per_border[k] = meeting.per_border;
         }
     }
 }

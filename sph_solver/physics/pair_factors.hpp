@@ -55,13 +55,14 @@ inline double scale_of(const PairPhysics& p, const FluidLaw& f, double scale) {
 template <class Scalar>
 struct Mixture {
     int fluids = 0;
+    bool sized = false;
     PairConstants<Scalar> constants{};
     Scalar gradient = 0, viscous = 0;  // as in Factors
     Scalar rho0[FluidTag::most], diffusive[FluidTag::most], per_mass[FluidTag::most];
     Meeting<Scalar> meeting[FluidTag::most][FluidTag::most];  // [i][j]
 
     Mixture(const PairPhysics& p, double scale, double unit)
-        : fluids(static_cast<int>(p.fluids.size())) {
+        : fluids(static_cast<int>(p.fluids.size())), sized(p.sized()) {
         FluidLaw none;  // its part of the constants is in the tables
         none.rho0 = 1, none.c0 = 0, none.h = p.h, none.mu = 1;
         constants = pair_constants<Scalar>(p, none, unit);
@@ -76,9 +77,10 @@ struct Mixture {
                 const FluidLaw& other = p.fluids[b];
                 const double impedance = 0.5 * (f.c0 * f.rho0 + other.c0 * other.rho0);
                 const double mu = f.mu + other.mu > 0 ? 2 * f.mu * other.mu / (f.mu + other.mu) : 0;
+                const double across = weight_across(p.fluids[a].h, other.h);
                 meeting[a][b] = {Scalar(a == b ? 1 : 0),
                                  Scalar(p.artificial_viscosity * p.h * impedance / unit),
-                                 Scalar(mu)};
+                                 Scalar(mu), Scalar(across), Scalar(1 / across)};
             }
         }
     }

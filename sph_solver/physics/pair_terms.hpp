@@ -89,7 +89,22 @@ struct Meeting {
     Real same;              // 1 if it is i's own fluid, else 0
     Real shock;             // alpha h (mean of c0 rho0) / unit [Pa s]
     Real mu;                // harmonic mean of the constant viscosities [Pa s]
+    Real border;            // of grad W, see weight_across
+    Real per_border;        // 1/border
 };
+
+/// By what grad W(r, h_ij) is multiplied between two fluids whose smoothing lengths at rest are h_i
+/// and h_j: h_ij^2/(h_i h_j), 1 for the same size, 1.125 for one twice the other.
+///
+/// A plane of particles at distance b beyond the border of two sizes would have to add
+/// -w'(a/h_i + b/h_j)/(h_i h_j) at distance a before it, w the kernel summed over planes: all of them
+/// then add w(a/h_i)/h_i, what i's own side leaves open under even pressure, and w(b/h_j)/h_j at j. At
+/// the border, a and b half a spacing, that is the mean h_ij with this factor. Without it even pressure
+/// mixes the two, see docs/theory.md. Viscosity is without it.
+inline double weight_across(double h_i, double h_j) {
+    const double h = 0.5 * (h_i + h_j);
+    return h * h / (h_i * h_j);
+}
 
 template <class Real>
 struct PairSums {
@@ -168,7 +183,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
     Real F;
     if constexpr (sized)
         F = KernelLaw::gradient_factor(r2 * size->nearer2, c.inverse_h) *
-            (size->factor * Scalar(j.volume));
+            (size->factor * with->border * Scalar(j.volume));
     else
         F = KernelLaw::gradient_factor(r2, c.inverse_h) * Scalar(j.volume);
     const Real vx = i.vx - Scalar(j.vx), vy = i.vy - Scalar(j.vy), vz = i.vz - Scalar(j.vz);
@@ -214,6 +229,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
                 viscous *= mean_within(i.root_mu, root_mu_j);
             else if constexpr (mixed)
                 viscous *= with->mu;
+            if constexpr (sized) viscous *= with->per_border;
             P -= viscous;
         } else {
             if constexpr (variable_viscosity(content) && mixed)
@@ -222,6 +238,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
                 FV *= mean_within(i.root_mu, root_mu_j);
             else if constexpr (mixed)
                 FV *= with->mu;
+            if constexpr (sized) FV *= with->per_border;
         }
         const Real FP = F * P;
         sum.ax += FP * dx;
