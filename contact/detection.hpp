@@ -45,7 +45,8 @@ struct Contact {
     std::array<double, 4> weight;  // w_a of the facet's nodes at the contact point
     Vec point;                     // [m] contact point, sum_a w_a x_a
     Vec normal;                    // unit, from the surface to the wet side
-    double depth;                  // [m] penetration d = l0 - signed distance, > 0
+    double depth;                  // [m] penetration d = l0 - signed distance, > 0; forces take off
+                                   // what the particle was in at the start
     double closing;                // [m/s] d(depth)/dt
     Vec slip;                      // [m/s] tangential velocity of the particle against the surface
     // Filled by the force laws.

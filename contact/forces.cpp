@@ -16,6 +16,10 @@ constexpr int force_bits = 40;
 // Shape weights are summed as integers for the same reason: 1 = 2^40.
 constexpr double one_share = 1099511627776.0;
 
+// Of l0: a particle that starts deeper than this is inside, and comes out at this share of
+// l0 sqrt(k/m_c).
+constexpr double inside_from = 0.1, out_rate = 0.02;
+
 }  // namespace
 
 void ForceLaw::renumber(std::span<const std::int64_t> old_row) {
@@ -28,6 +32,27 @@ void ForceLaw::renumber(std::span<const std::int64_t> old_row) {
     }
     memory_.swap(next_);
     next_.assign(old_row.size(), 0);
+    if (inside_.empty()) return;
+    next_inside_.assign(old_row.size(), 0);
+    for (std::size_t i = 0; i < old_row.size(); ++i)
+        if (old_row[i] >= 0 && std::size_t(old_row[i]) < inside_.size())
+            next_inside_[i] = inside_[old_row[i]];
+    inside_.swap(next_inside_);
+}
+
+void ForceLaw::find_start_inside(const Points& active, const std::vector<Contact>& contacts) {
+    for (const Contact& contact : contacts) {
+        const std::uint32_t i = contact.particle;
+        const double depth = contact.depth / active.radius[i];
+        if (depth <= inside_from) continue;
+        if (inside_.empty()) inside_.assign(active.size(), 0);
+        if (inside_[i] == 0) ++start_inside_.particles;
+        inside_[i] = std::max(inside_[i], contact.depth);
+        if (depth > start_inside_.deepest) {
+            start_inside_.deepest = depth;
+            start_inside_.id = active.id[i];
+        }
+    }
 }
 
 void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
@@ -39,6 +64,9 @@ void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
     next_.resize(active.size());
     clear(active.size(), surface.nodes());
     share_masses(surface, contacts);
+    if (!started_) find_start_inside(active, contacts);
+    if (!settings_.ease_start) inside_.clear();
+    started_ = true;
 
     // Tangential and normal dampers of one contact act at right angles: each may use the whole
     // budget beta + 2 eta that the contact holds of a node, and never more than stops the slip.
@@ -47,10 +75,10 @@ void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
     const NormalDamping damping{settings_.beta, settings_.eta, dt};
     const auto with_friction = [&](const auto& friction) {
         if (settings_.stiffness == StiffnessKind::fluid)
-            push(FluidStiffness{limit, settings_.chi}, damping, friction, active, surface,
+            push(FluidStiffness{limit, settings_.chi}, dt, damping, friction, active, surface,
                  contacts);
         else
-            push(limit, damping, friction, active, surface, contacts);
+            push(limit, dt, damping, friction, active, surface, contacts);
     };
     if (settings_.friction == FrictionKind::coulomb)
         with_friction(CoulombFriction{settings_.mu, eta_t, dt});
@@ -90,7 +118,7 @@ void ForceLaw::share_masses(const Surface& surface, const std::vector<Contact>& 
 
 /// Mass, stiffness and force of every contact.
 template <typename Stiffness, typename Friction>
-void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
+void ForceLaw::push(const Stiffness& stiffness_of, double dt, const NormalDamping& damping,
                     const Friction& friction, const Points& active, const Surface& surface,
                     std::vector<Contact>& contacts) {
     former_.swap(in_contact_);
@@ -107,6 +135,11 @@ void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
             inverse += contact.weight[a] * share * surface.inverse_mass(q[a]);
         }
         const double m_c = 1 / inverse;
+        double* inside = inside_.empty() ? nullptr : &inside_[contact.particle];
+        if (inside) {
+            *inside = std::min(*inside, contact.depth);
+            contact.depth -= *inside;
+        }
 
         // Within a contact the stiffness falls or stays.
         const double before = memory_[contact.particle];
@@ -133,6 +166,9 @@ void ForceLaw::push(const Stiffness& stiffness_of, const NormalDamping& damping,
         contact.stiffness = k;
         contact.normal_force = f_n;
         contact.damping_force = f_n - elastic;
+        if (inside && *inside > 0)
+            *inside = std::max(0.0, *inside - out_rate * active.radius[contact.particle] *
+                                                  std::sqrt(k / m_c) * dt);
         contact.friction = (speed > 0 ? -drag / speed : 0.0) * contact.slip;
         contact.force = f_n * contact.normal + contact.friction;
         largest = std::max(largest, contact.force.cwiseAbs().maxCoeff());

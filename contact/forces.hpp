@@ -12,6 +12,10 @@
 // jumping between 1 and 1/2 gives a mean restitution of 1.16). It may fall: that loses energy,
 // which the ledger books as `relaxation`. So the contact's time scale is the largest dt since the particle
 // touched, a smaller dt keeps k, a larger one lowers it, and no vote on dt is needed.
+//
+// A particle that starts inside the surface is not shot out. What it is in at the first step, if
+// more than a tenth of l0, is taken off its depth, and given back at the speed 0.02 l0 sqrt(k/m_c):
+// a spring that is drawn at that speed swings by 0.02 l0.
 
 #include <cstdint>
 #include <span>
@@ -34,6 +38,7 @@ struct LawSettings {
     FrictionKind friction = FrictionKind::coulomb;
     double mu = 0;                 // Coulomb coefficient
     double alpha = 0;              // [N s/m] viscous coefficient of Eq. 9
+    bool ease_start = false;  // push who starts inside out slowly; the coupler does
     bool scale_by_valence = true;  // false: m_c as if each contact were alone (unstable; for tests)
 };
 
@@ -49,6 +54,14 @@ class ForceLaw {
     void compute(const Points& active, const Surface& surface, double dt,
                  std::vector<Contact>& contacts);
 
+    /// Who started inside: number of particles, the deepest in l0 and its identity.
+    struct StartInside {
+        std::int64_t particles = 0;
+        double deepest = 0;  // [l0]
+        std::uint64_t id = 0;
+    };
+    const StartInside& start_inside() const { return start_inside_; }
+
     std::span<const double> on_particles() const { return particle_force_; }  // [N] (A, 3)
     std::span<const double> on_nodes() const { return node_force_; }          // [N] (N, 3)
     /// Nodes of the facets in contact, each once: all others have no force.
@@ -59,16 +72,21 @@ class ForceLaw {
     double momentum_residual() const;
 
  private:
+    void find_start_inside(const Points& active, const std::vector<Contact>& contacts);
     void share_masses(const Surface& surface, const std::vector<Contact>& contacts);
     template <typename Stiffness, typename Friction>
-    void push(const Stiffness& stiffness, const NormalDamping& damping, const Friction& friction,
-              const Points& active, const Surface& surface, std::vector<Contact>& contacts);
+    void push(const Stiffness& stiffness, double dt, const NormalDamping& damping,
+              const Friction& friction, const Points& active, const Surface& surface,
+              std::vector<Contact>& contacts);
     void sum(const Surface& surface, const std::vector<Contact>& contacts);
     void clear(std::size_t particles, std::size_t nodes);
 
     LawSettings settings_;
     // [N/m] of each active particle's contact so far; 0 = not in contact
     std::vector<double> memory_, next_;
+    std::vector<double> inside_, next_inside_;  // [m] taken off each one's depth; empty if none
+    StartInside start_inside_;
+    bool started_ = false;
     std::vector<std::uint32_t> in_contact_, former_;  // active rows with an entry in memory_
     // Per node: S_a (1 = 2^40), sum of forces [quantum] and whether it is touched. Where no contact
     // is they stay zero, and only what was touched is cleared: most of a surface is dry.

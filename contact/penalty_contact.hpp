@@ -52,6 +52,7 @@ class PenaltyContact {
     const Surface& surface() const { return surface_; }
     const InterfaceEnergy& energy() const { return ledger_.energy(); }
     double kick() const { return kick_; }  // [s] (dt^{n-1} + dt^n)/2 of this step
+    const ForceLaw::StartInside& start_inside() const { return law_.start_inside(); }
     bool finite() const { return law_.finite(); }
     double momentum_residual() const { return law_.momentum_residual(); }          // [N]
     double radius(std::uint32_t active_row) const { return radius_[active_row]; }  // [m]

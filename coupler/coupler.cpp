@@ -24,6 +24,7 @@ contact::LawSettings law_of(const CouplingSettings& settings) {
     law.chi = settings.stiffness_factor;
     law.beta = settings.beta;
     law.eta = settings.damping;
+    law.ease_start = true;
     law.friction = settings.friction_law == FrictionLaw::coulomb ? contact::FrictionKind::coulomb
                                                                  : contact::FrictionKind::viscous;
     law.mu = settings.friction;
@@ -72,6 +73,7 @@ int Coupler::run_loop() {
         const AgreedStep step = agree_time_step();
         contact_->compute_forces(step.dt);
         send_forces(step);
+        if (n_ == 0) report_start_inside();
 
         contact_->settle();
         record(step);
@@ -199,6 +201,23 @@ void Coupler::send_forces(const AgreedStep& step) {
         send_boxes();
     }
     participants_.send_forces(force, contact_->on_particles(), contact_->on_nodes());
+}
+
+/// A particle whose center is inside may be on its way into a body: that is a mistake in the case.
+void Coupler::report_start_inside() const {
+    const contact::ForceLaw::StartInside& inside = contact_->start_inside();
+    if (inside.particles == 0) return;
+    char text[400];
+    std::snprintf(text, sizeof text,
+                  "%lld particles start inside the coupled surface, the deepest, particle %llu, by %.2f "
+                  "l0%s; they are pushed out slowly. Leave half a spacing between fluid and structure "
+                  "to avoid it.",
+                  static_cast<long long>(inside.particles),
+                  static_cast<unsigned long long>(inside.id), inside.deepest,
+                  inside.deepest > 1 ? " (its center is behind the surface; what lies deeper than "
+                                       "that is not seen and stays there)"
+                                     : "");
+    inside.deepest > 1 ? log_warning(text) : log_info(text);
 }
 
 void Coupler::record(const AgreedStep& step) {

@@ -43,6 +43,7 @@ class Coupler {
     void send_boxes();
     void send_active();
     void send_forces(const AgreedStep& step);
+    void report_start_inside() const;
     void record(const AgreedStep& step);
     int finish(const std::string& reason);
     void write_failure(const Failure& failure) const noexcept;

@@ -113,6 +113,9 @@ void RunFigures::write(const std::string& path, const std::string& reason, doubl
     summary.set("late_searches", late_searches);
     summary.set("contact_s", recorder.contact_time());
     summary.set("contacts_max", std::int64_t(recorder.most_contacts()));
+    summary.set("start_inside.particles", contact.start_inside().particles);
+    summary.set("start_inside.deepest_over_l0", contact.start_inside().deepest);
+    summary.set("start_inside.id", std::int64_t(contact.start_inside().id));
     summary.set("penetration_max_over_l0", recorder.deepest());
     const Waits& waits = participants.waits();
     const double whole = std::max(wall(), 1e-9);
