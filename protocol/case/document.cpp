@@ -12,6 +12,13 @@
 
 namespace undertow {
 
+Node::Node() = default;
+Node::~Node() = default;
+Node::Node(const Node&) = default;
+Node::Node(Node&&) noexcept = default;
+Node& Node::operator=(const Node&) = default;
+Node& Node::operator=(Node&&) noexcept = default;
+
 const Node* Node::find(const std::string& key) const {
     for (const auto& [name, value] : members)
         if (name == key) return &value;

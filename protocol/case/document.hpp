@@ -12,6 +12,14 @@ namespace undertow {
 struct Node {
     enum class Kind { table, array, text, integer, number, flag };
 
+    // In document.cpp, where a pair of a text and a Node is whole: clang asks for that.
+    Node();
+    ~Node();
+    Node(const Node&);
+    Node(Node&&) noexcept;
+    Node& operator=(const Node&);
+    Node& operator=(Node&&) noexcept;
+
     Kind kind = Kind::table;
     std::string place;                                // "case.toml:12:11", or "--set key=value"
     std::string key_place;                            // of the key that holds this value
