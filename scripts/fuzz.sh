@@ -21,13 +21,13 @@ mkdir -p "$folder/$part.found" "$folder/$part.corpus"
 binary=$folder/fuzz_$part
 if [[ ! -x $binary || -n $(find protocol tests/fuzz scripts/fuzz.sh -newer "$binary" -print -quit) ]]; then
     flags=(-std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -Iprotocol
-           -DMSGPACK_NO_BOOST -DTOML_HEADER_ONLY=1)
+           -DMSGPACK_NO_BOOST $(pkg-config --cflags tomlplusplus))
     objects=()
     for source in "tests/fuzz/$part.cpp" "${sources[@]}"; do
         objects+=("$folder/$part.$(basename "$source" .cpp).o")
         clang++ "${flags[@]}" -fsanitize=fuzzer-no-link -c "$source" -o "${objects[-1]}"
     done
-    clang++ "${flags[@]}" -fsanitize=fuzzer "${objects[@]}" -lmuparser -o "$binary"
+    clang++ "${flags[@]}" -fsanitize=fuzzer "${objects[@]}" -lmuparser $(pkg-config --libs tomlplusplus) -o "$binary"
 fi
 
 /usr/bin/python3 tests/fuzz/seeds.py "$part" "$folder/$part.seeds"
