@@ -48,8 +48,7 @@ class BatchedGroup : public ElementGroup {
     }
     double omega2_start() const override { return omega2_start_; }
     void accept_shape() override {
-        for (std::size_t b = 0; b < batches_.size(); ++b)
-            constants_[b].omega2_reference = omega2_[b];
+        for (std::size_t b = 0; b < batches_.size(); ++b) set_reference(b, omega2_[b]);
     }
     ExtremeElement stiffest() const override { return batches_.largest(omega2_); }
     void write_plastic_strain(std::span<double> strain) const override {
@@ -72,7 +71,7 @@ class BatchedGroup : public ElementGroup {
             reference[b] = constants_[b].omega2_reference;
         a.flat<double>("omega2_reference", reference);
         for (std::size_t b = 0; b < reference.size(); ++b)
-            constants_[b].omega2_reference = reference[b];
+            set_reference(b, reference[b]);
     }
 
  protected:
@@ -80,9 +79,20 @@ class BatchedGroup : public ElementGroup {
     void set_constants(std::size_t b, int lane, double mass, double omega2) {
         constants_[b].mass[lane] = mass;
         constants_[b].omega2_reference[lane] = omega2;
-        constants_[b].length[lane] = 2 * law_[batches_[b].part].sound_speed / std::sqrt(omega2);
+        constants_[b].length[lane] = length_of(b, omega2);
         omega2_[b][lane] = omega2;
         omega2_start_ = std::max(omega2_start_, omega2);
+    }
+
+    /// [m] 2 c/omega, of the bulk viscosity: it has to shrink with the element, or a squeezed one is
+    /// damped beyond what its step bears.
+    double length_of(std::size_t b, double omega2) const {
+        return 2 * law_[batches_[b].part].sound_speed / std::sqrt(omega2);
+    }
+    void set_reference(std::size_t b, const Lanes& omega2) {
+        constants_[b].omega2_reference = omega2;
+        for (int lane = 0; lane < batches_[b].valid; ++lane)
+            constants_[b].length[lane] = length_of(b, omega2[lane]);
     }
 
     // in batched_step.hpp:

@@ -36,7 +36,7 @@ struct BbarState {
 template <class T>
 struct BbarConstants {
     T mass;              // [kg]
-    T length;            // [m] 2 c / omega at the start, for the bulk viscosity
+    T length;            // [m] 2 c / omega of the reference, for the bulk viscosity
     T omega2_reference;  // [1/s2] eigenvalue bound when the largest frequency was last found
 };
 

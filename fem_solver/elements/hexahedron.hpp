@@ -31,7 +31,7 @@ struct HexahedronState {
 template <class T>
 struct HexahedronConstants {
     T mass;              // [kg]
-    T length;            // [m] 2 c / omega at the start, for the bulk viscosity
+    T length;            // [m] 2 c / omega of the reference, for the bulk viscosity
     T axis_weight[3];    // [1/m2] 1 / |linear mode k|^2 at the start
     T omega2_reference;  // [1/s2] eigenvalue bound when the largest frequency was last found
 };

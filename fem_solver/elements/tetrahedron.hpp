@@ -30,7 +30,7 @@ struct TetrahedronState {
 template <class T>
 struct TetrahedronConstants {
     T mass;              // [kg]
-    T length;            // [m] 2 c / omega at the start, for the bulk viscosity
+    T length;            // [m] 2 c / omega of the reference, for the bulk viscosity
     T omega2_reference;  // [1/s2] eigenvalue bound when the largest frequency was last found
 };
 
