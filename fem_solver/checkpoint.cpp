@@ -23,7 +23,7 @@ void Solver::archive(Archive& a) {
 WrittenFile Solver::write_checkpoint(const std::string& id) {
     const double start = wall_clock();
     figures_.wall = start - start_;
-    ArchiveWriter writer(checkpoint_folder(folder_, id) + "/fem.h5");
+    ArchiveWriter writer(checkpoint_folder(output_.folder(), id) + "/fem.h5");
     archive_case(writer, case_, id);
     archive(writer);
     const WrittenFile file = writer.commit();

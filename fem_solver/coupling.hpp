@@ -44,7 +44,8 @@ class Link {
     virtual double waited() const = 0;  // [s] for the coupler
 };
 
-std::unique_ptr<Link> run_alone(const Case& c, const std::string& folder);
+/// folder: of the results, where checkpoints go.
+std::unique_ptr<Link> run_alone(const Case& c, const std::string& folder = ".");
 /// Connects to the coupler at `endpoint` and shakes hands. PeerError if it does not answer,
 /// InputError if the case has no [[fem.surface]] or fem.cfl leaves no room for contact.
 /// keys: a folder, see wire/curve_keys.hpp; empty = none.

@@ -114,7 +114,7 @@ int run(const Case& c, const ProgramOptions& options, Link& link, Prepared prepa
     const FileStart files = options.resume.empty() ? FileStart::fresh : FileStart::continued;
     Output output(options.folder, c, *prepared.structure, prepared.settlement, files);
     ProgressLine line(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
-    Solver solver(c, options.folder, *prepared.structure, link, output, line);
+    Solver solver(c, *prepared.structure, link, output, line);
     if (!options.resume.empty()) solver.resume(options.resume);
     const bool complete = solver.run();
     log_info(complete ? "done" : "ended by the user");

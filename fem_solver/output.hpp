@@ -51,6 +51,7 @@ class Output {
     void last_history(double t, const Structure& structure);
     void summary(const RunFigures& run, const Structure& structure) const;
     void archive(Archive& a, double t);  // t [s]: now
+    const std::string& folder() const { return folder_; }
 
  private:
     void write_rows(double t, const Structure& structure);

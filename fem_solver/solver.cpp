@@ -11,10 +11,8 @@ namespace {
 constexpr double quiet_from = 0.6;
 }  // namespace
 
-Solver::Solver(const Case& c, const std::string& folder, Structure& structure, Link& link,
-               Output& output, ProgressLine& line)
+Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line)
     : case_(c),
-      folder_(folder),
       structure_(structure),
       link_(link),
       output_(output),

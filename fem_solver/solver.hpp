@@ -14,9 +14,7 @@ class Solver {
  public:
     /// Borrows structure and link. `line` shows the run's progress (quiet in a coupled run, where
     /// the coupler shows it).
-    /// folder: of the results, where checkpoints go.
-    Solver(const Case& c, const std::string& folder, Structure& structure, Link& link,
-           Output& output, ProgressLine& line);
+    Solver(const Case& c, Structure& structure, Link& link, Output& output, ProgressLine& line);
 
     /// Takes over the state of a checkpoint; InputError when it belongs to something else.
     void resume(const std::string& set);
@@ -35,7 +33,6 @@ class Solver {
     void close(double start);
 
     const Case& case_;
-    std::string folder_;
     Structure& structure_;
     Link& link_;
     Output& output_;
