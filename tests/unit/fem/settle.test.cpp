@@ -154,10 +154,10 @@ TEST_CASE("until start.settle the structure does not move, then it goes free") {
     c.output.fields_every = 0.005;
     Structure structure(build_model(c), 1);
     {
-        const auto link = run_alone(c, folder.string());
+        const auto link = run_alone(c);
         Output output(folder.string(), c, structure);
         ProgressLine line(true, "");
-        CHECK(Solver(c, folder.string(), structure, *link, output, line).run());
+        CHECK(Solver(c, structure, *link, output, line).run());
     }
     std::filesystem::remove_all(folder);
     // outputs every 5 ms: a step lands on 10 ms, so it falls for 20 ms exactly

@@ -46,14 +46,14 @@ Case falling_block() {
 bool run(const Case& c, const RunFolder& folder, Structure& structure, Link& link) {
     Output output(folder.string(), c, structure);
     ProgressLine line(true, "");
-    return Solver(c, folder.string(), structure, link, output, line).run();
+    return Solver(c, structure, link, output, line).run();
 }
 
 TEST_CASE("a block that nothing holds falls g t^2/2, and the files say so") {
     const RunFolder folder;
     const Case c = falling_block();
     Structure structure(build_model(c), 1);
-    const auto link = run_alone(c, folder.string());
+    const auto link = run_alone(c);
     CHECK(run(c, folder, structure, *link));
     // leapfrog is exact for constant acceleration
     CHECK(structure.displacement(0)[2] == Approx(-0.5 * 9.81 * 0.02 * 0.02).epsilon(1e-10));
@@ -82,7 +82,7 @@ TEST_CASE("soil brings its columns and its field, a far field its energy; others
         c.fem.pressure = {{"zmax", 4e3, 0.001}};  // twice what it can bear
     }
     Structure structure(build_model(c), 1);
-    const auto link = run_alone(c, folder.string());
+    const auto link = run_alone(c);
     CHECK(run(c, folder, structure, *link));
     CHECK((structure.yielding_elements() > 0) == soil);
     const std::string energy = folder.read("energy.fem.csv");
@@ -102,7 +102,7 @@ TEST_CASE("a load far too large ends in a sentence that names element and time")
     c.fem.support = {{"zmin", {"x", "y", "z"}}};
     c.fem.pressure = {{"zmax", 1e12, 0}};
     Structure structure(build_model(c), 1);
-    const auto link = run_alone(c, folder.string());
+    const auto link = run_alone(c);
     CHECK_THROWS_WITH(
         run(c, folder, structure, *link),
         Catch::Contains("t = ") && (Catch::Contains("hexahedron") || Catch::Contains("node")));
