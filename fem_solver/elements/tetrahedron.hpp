@@ -14,7 +14,7 @@
 
 #include "fem_solver/elements/element_law.hpp"
 #include "fem_solver/elements/tensor.hpp"
-#include "fem_solver/materials/tresca.hpp"
+#include "fem_solver/materials/plastic_flow.hpp"
 
 namespace undertow::fem {
 

@@ -5,11 +5,12 @@
 
 #include "fem_solver/materials/j2.hpp"
 #include "fem_solver/materials/linear_elastic.hpp"
+#include "fem_solver/materials/mohr_coulomb.hpp"
 #include "fem_solver/materials/tresca.hpp"
 
 namespace undertow::fem {
 
-using Material = std::variant<LinearElastic, Tresca, J2>;
+using Material = std::variant<LinearElastic, Tresca, J2, MohrCoulomb>;
 
 inline const LinearElastic& elastic_moduli(const LinearElastic& law) {
     return law;

@@ -3,6 +3,7 @@
 // The undrained strength of clay; at a friction angle of zero Mohr-Coulomb is the same.
 
 #include "fem_solver/materials/plastic_flow.hpp"
+#include "fem_solver/materials/principal.hpp"
 
 namespace undertow::fem {
 
@@ -44,20 +45,6 @@ struct Tresca {
     }
 
  private:
-    /// Isolated root y of y^3 - y - r = 0 for 0 <= r <= 2/(3 sqrt 3), 1 <= y <= 2/sqrt 3: the
-    /// principal value that stands alone, over sqrt(J2). Newton's iteration starts within 8e-4
-    /// and leaves 8e-7, 8e-13, 7e-16.
-    template <class T>
-    UNDERTOW_KERNEL static T isolated_root(const T& r) {
-        T y = 1.0 + r * (0.5 - r * (0.375 - 0.31 * r));
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) {
-            const T y2 = y * y;
-            y -= (y * (y2 - 1.0) - r) / (3.0 * y2 - 1.0);
-        }
-        return y;
-    }
-
     /// Returns the lanes that yield; `s` holds the trial stress, p its mean.
     template <class T>
     UNDERTOW_KERNEL void flow_back(const Symmetric<T>& before, const T& p, const T& trial_J2,
@@ -71,8 +58,7 @@ struct Tresca {
         const Symmetric<T> D{sign * a, sign * b, sign * c, sign * s.xy, sign * s.yz, sign * s.zx};
         const T J2 = larger(trial_J2, T(su * su * one));  // lanes below that do not yield
         const T root = square_root(J2);
-        const double r_max = 0.38490017945975050;  // 2/(3 sqrt 3)
-        const T x = root * isolated_root(smaller(T(magnitude(J3) / (J2 * root)), T(r_max * one)));
+        const T x = root * isolated_root(smaller(T(magnitude(J3) / (J2 * root)), T(largest_isolated_r * one)));
         // d3 = -x, d1 + d2 = x, d1 d2 = x^2 - J2
         const T delta = square_root(larger(T(J2 - 0.75 * x * x), T(0.0 * one)));
         const T d2 = 0.5 * x - delta;

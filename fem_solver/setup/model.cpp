@@ -57,6 +57,16 @@ Hardening make_hardening(const FemMaterial& m) {
     return Hardening::table(m.hardening_table);
 }
 
+MohrCoulomb make_mohr_coulomb(const FemMaterial& m, const LinearElastic& moduli) {
+    const double degree = std::acos(-1.0) / 180, phi = m.friction_angle * degree;
+    if (!(m.cohesion > 0 || m.friction_angle > 0))
+        throw InputError("fem.material \"" + m.name +
+                         "\": cohesion or friction_angle must be > 0.");
+    const double tip = phi > 0 ? m.cohesion / std::tan(phi) : MohrCoulomb::no_cutoff;
+    return {moduli, std::sin(phi), std::sin(m.dilation_angle * degree), m.cohesion * std::cos(phi),
+            std::min(tip, m.tension_cutoff.value_or(tip))};
+}
+
 Material make_material(const FemMaterial& m) {
     if (!(m.density > 0) || !(m.young_modulus > 0))
         throw InputError("fem.material \"" + m.name + "\": density and young_modulus must be > 0.");
@@ -70,6 +80,8 @@ Material make_material(const FemMaterial& m) {
             return moduli;
         case MaterialKind::j2:
             return J2{moduli, make_hardening(m)};
+        case MaterialKind::mohr_coulomb:
+            return make_mohr_coulomb(m, moduli);
         case MaterialKind::tresca:
             break;
     }

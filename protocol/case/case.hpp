@@ -246,20 +246,23 @@ struct FemBlock {                        // [fem.block] structured mesh, instead
     // "block", node sets "xmin", ... of its edges
 };
 
-enum class MaterialKind { linear_elastic, tresca, j2 };
+enum class MaterialKind { linear_elastic, tresca, j2, mohr_coulomb };
 inline const char* name_of(MaterialKind kind) {
     switch (kind) {
         case MaterialKind::tresca:
             return "tresca";
         case MaterialKind::j2:
             return "j2";
+        case MaterialKind::mohr_coulomb:
+            return "mohr_coulomb";
         default:
             return "linear_elastic";
     }
 }
 struct FemMaterial {                     // [[fem.material]]
     std::string name;
-    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca", "j2"
+    MaterialKind kind = MaterialKind::linear_elastic;   // "linear_elastic", "tresca", "j2",
+                                         // "mohr_coulomb"
     double density = 0;                  // [kg/m3] of the inertia (soil: saturated)
     std::optional<double> weight_density{};  // [kg/m3] of the weight (under water: less the water's);
                                          // none = density
@@ -270,6 +273,11 @@ struct FemMaterial {                     // [[fem.material]]
     double hardening = 0;                // [Pa] of "j2": rise of the yield stress per plastic strain
     std::vector<std::array<double, 2>> hardening_table{};  // of "j2", instead of these two: rows
                                          // [plastic strain, yield stress in Pa], from 0 on
+    double cohesion = 0;                 // [Pa] c of "mohr_coulomb"
+    double friction_angle = 0;           // [degrees] phi of "mohr_coulomb"
+    double dilation_angle = 0;           // [degrees] psi of "mohr_coulomb", at most friction_angle
+    std::optional<double> tension_cutoff{};  // [Pa] of "mohr_coulomb", largest tensile stress; none =
+                                         // c cot phi, the tip of the cone
 };
 
 /// How the elements of a part compute their stress. `automatic`: hexahedra "one_point", tetrahedra

@@ -236,7 +236,11 @@ void to_json(Json& j, const FemMaterial& v) {
          {"shear_strength", v.shear_strength},
          {"yield_stress", v.yield_stress},
          {"hardening", v.hardening},
-         {"hardening_table", v.hardening_table}};
+         {"hardening_table", v.hardening_table},
+         {"cohesion", v.cohesion},
+         {"friction_angle", v.friction_angle},
+         {"dilation_angle", v.dilation_angle},
+         {"tension_cutoff", v.tension_cutoff ? Json(*v.tension_cutoff) : Json()}};
 }
 void to_json(Json& j, const FemPart& v) {
     j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},

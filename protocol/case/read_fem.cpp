@@ -103,6 +103,36 @@ void read_hardening(TableReader& reader, FemMaterial& material) {
     material.yield_stress = rows[0][1];
 }
 
+/// cohesion, friction_angle, dilation_angle, tension_cutoff.
+void read_mohr_coulomb(TableReader& reader, FemMaterial& material) {
+    constexpr double steepest = 80;  // [degrees] soils have up to 50, rock fill up to 60
+    reader.number("cohesion", material.cohesion, at_least(0, "Pa"));
+    reader.number("friction_angle", material.friction_angle, closed(0, steepest, "degrees"));
+    reader.number("dilation_angle", material.dilation_angle, closed(0, steepest, "degrees"));
+    double cutoff = 0;
+    reader.number("tension_cutoff", cutoff, at_least(0, "Pa"));
+    if (reader.has("tension_cutoff")) material.tension_cutoff = cutoff;
+    if (material.kind != MaterialKind::mohr_coulomb) {
+        for (const char* key : {"cohesion", "friction_angle", "dilation_angle", "tension_cutoff"})
+            if (reader.has(key)) reader.reject(key, "has no effect but on kind = \"mohr_coulomb\".");
+        return;
+    }
+    reader.require("cohesion", "the cohesion in Pa, or 0");
+    reader.require("friction_angle", "the angle of internal friction in degrees, or 0");
+    if (material.cohesion == 0 && material.friction_angle == 0)
+        reader.reject("cohesion", "is not allowed: without cohesion and friction_angle the material "
+                                  "has no strength at all; give one of them.");
+    if (material.dilation_angle > material.friction_angle)
+        reader.reject("dilation_angle", "is not allowed: beyond friction_angle plastic flow would "
+                                        "gain energy; usual are 0 to friction_angle - 30 degrees, "
+                                        "and 0 for soil whose volume stays.");
+    const double phi = material.friction_angle * std::acos(-1.0) / 180;
+    if (cutoff > 0 && material.friction_angle > 0 &&
+        cutoff > material.cohesion / std::tan(phi) * (1 + 1e-12))
+        reader.reject("tension_cutoff", "is not allowed: no tension reaches it, for the cone ends at "
+                                        "cohesion/tan(friction_angle); lower it, or leave it out.");
+}
+
 void read_material(TableReader& reader, FemMaterial& material) {
     reader.require("name", "a word that parts refer to");
     reader.require("density", "the density in kg/m3");
@@ -113,7 +143,8 @@ void read_material(TableReader& reader, FemMaterial& material) {
         "kind", material.kind,
         {{"linear_elastic", MaterialKind::linear_elastic},
          {"tresca", MaterialKind::tresca},
-         {"j2", MaterialKind::j2}});
+         {"j2", MaterialKind::j2},
+         {"mohr_coulomb", MaterialKind::mohr_coulomb}});
     reader.number("density", material.density, positive("kg/m3"));
     double weight_density = 0;
     reader.number("weight_density", weight_density, any("kg/m3"));
@@ -126,6 +157,7 @@ void read_material(TableReader& reader, FemMaterial& material) {
     else if (reader.has("shear_strength"))
         reader.reject("shear_strength", "has no effect but on kind = \"tresca\".");
     read_hardening(reader, material);
+    read_mohr_coulomb(reader, material);
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.
