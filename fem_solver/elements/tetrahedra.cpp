@@ -58,6 +58,8 @@ void Tetrahedra::number_patches(const Mesh& mesh, const std::vector<Part>& parts
         patch_begin_.push_back(std::int32_t(patch_slot_.size()));
     }
     dilatation_ = make_dilatation();
+    for (const Part& part : parts)
+        if (dilates(part.material)) mean_stress_.resize(patches());
 }
 
 Tetrahedra::Dilatation Tetrahedra::make_dilatation() const {

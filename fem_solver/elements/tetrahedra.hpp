@@ -38,6 +38,8 @@ class Tetrahedra final
     void find_volumes(std::size_t batch, const NodeRows& x, const NodeRows& v, double dt,
                       Dilatation& out) const;
     void average(Dilatation& out, int threads) const;
+    void average_mean_stress(int threads);
+    void press(Nodes& nodes, int threads);
     Lanes dilatation(std::size_t batch, const Dilatation& from) const;
 
     std::vector<std::array<std::int32_t, n_lanes>> patch_of_;  // [n_batches]
@@ -45,6 +47,7 @@ class Tetrahedra final
     // taken in this order.
     std::vector<std::int32_t> patch_begin_, patch_slot_;
     Dilatation dilatation_;
+    std::vector<double> mean_stress_;  // [Pa] of the patches; empty where no material dilates
 };
 
 }  // namespace undertow::fem

@@ -32,6 +32,46 @@ void Tetrahedra::average(Dilatation& out, int threads) const {
     }
 }
 
+/// Over the volumes, so that patch and elements do the same work: sum V p theta_patch = p_patch sum
+/// V theta.
+void Tetrahedra::average_mean_stress(int threads) {
+    const auto average_patch = [&](std::size_t p) {
+        double volume = 0, sum = 0;
+        for (std::int32_t i = patch_begin_[p]; i < patch_begin_[p + 1]; ++i) {
+            const std::int32_t b = patch_slot_[i] / n_lanes, l = patch_slot_[i] % n_lanes;
+            const Symmetric<Lanes>& s = state_[b].stress;
+            const double V = dilatation_.volume[b][l];
+            volume += V;
+            sum += V * (s.xx[l] + s.yy[l] + s.zz[l]);
+        }
+        mean_stress_[p] = sum / (3 * volume);
+    };
+    const std::size_t n = patches();
+    if (threads > 1) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (std::size_t p = 0; p < n; ++p) average_patch(p);
+    } else {
+        for (std::size_t p = 0; p < n; ++p) average_patch(p);
+    }
+}
+
+/// Forces of the patches' mean stress, where materials dilate.
+void Tetrahedra::press(Nodes& nodes, int threads) {
+    average_mean_stress(threads);
+    batches_.sweep(threads, [&](const Chunk& chunk) {
+        if (!dilates(parts_[batches_[chunk.begin].part].material)) return ElementsReport{};
+        for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
+            const auto& batch = batches_[b];
+            Lanes x[3][4], f[3][4], p;
+            gather_corners(nodes.x.data(), batch.node, x);
+            for (int l = 0; l < n_lanes; ++l) p[l] = mean_stress_[patch_of_[b][l]];
+            press_tetrahedron(x, p, f);
+            scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
+        }
+        return ElementsReport{};
+    });
+}
+
 inline Lanes Tetrahedra::dilatation(std::size_t b, const Dilatation& from) const {
     Lanes out;
     for (int l = 0; l < n_lanes; ++l) out[l] = from.of_patch[patch_of_[b][l]];
@@ -56,7 +96,9 @@ ElementsReport Tetrahedra::step(Nodes& nodes, double dt, int threads) {
         return ElementsReport{};
     });
     average(dilatation_, threads);
-    return step_all(nodes, dt, threads, WithDilatation{*this, dilatation_});
+    const ElementsReport report = step_all(nodes, dt, threads, WithDilatation{*this, dilatation_});
+    if (!mean_stress_.empty()) press(nodes, threads);
+    return report;
 }
 
 void Tetrahedra::subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const {

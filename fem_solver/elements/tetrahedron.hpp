@@ -8,7 +8,8 @@
 // everything else from the element's own shape. Forces are those of the element's own mean stress:
 // elastically the energy is sum_p V_p kappa/2 theta_p^2, and the stiffness is symmetric. Averages
 // over the elements around each node (Bonet and Burton 1998) were measured too:
-// docs/theory_fem.md, 13.
+// docs/theory_fem.md, 13. Where plastic flow changes the volume, mean stresses differ within a patch; a
+// third pass then takes the patch's mean of them, so that what the dilatation does is what the forces do.
 //
 // T = double is the readable reference, T = Lanes eight elements side by side.
 
@@ -120,10 +121,18 @@ UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], c
     PlasticFlow<T> flow;  // set and read for plastic materials alone
     update_stress(material, d_eps, dt, plastic_strain, s, flow);
     state.stress = s;
-    // the mean stress works on the element's own dilatation, as the forces do
-    const T mean = (1.0 / 3) * ((before.xx + s.xx) + (before.yy + s.yy) + (before.zz + s.zz));
-    report.strain_work =
-        (0.5 * of_midpoint) * (work_of_sum(before, s, d_eps) + mean * (own - dilatation));
+    if constexpr (Material::dilates) {
+        report.strain_work = (0.5 * of_midpoint) * work_of_sum(before, s, d_eps);
+        const T p = (1.0 / 3) * (s.xx + s.yy + s.zz);
+        s.xx -= p;  // its forces: press_tetrahedron()
+        s.yy -= p;
+        s.zz -= p;
+    } else {
+        // the mean stress works on the element's own dilatation, as the forces do
+        const T mean = (1.0 / 3) * ((before.xx + s.xx) + (before.yy + s.yy) + (before.zz + s.zz));
+        report.strain_work =
+            (0.5 * of_midpoint) * (work_of_sum(before, s, d_eps) + mean * (own - dilatation));
+    }
     report.hourglass_work = 0.0 * volume;
     if constexpr (Material::plastic) {
         report.plastic_work = of_midpoint * flow.work;
@@ -151,6 +160,21 @@ UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], c
     report.omega2 = tetrahedron_eigenvalue_bound(c, det, element.mass, law.lambda, law.mu);
     report.relative_volume = volume / volume_start;
     report.compression = closing * (1 / law.sound_speed);
+}
+
+/// Forces of a mean stress p [Pa]: p V b_k, V b_k = c_k/6   [N]
+template <class T>
+UNDERTOW_KERNEL void press_tetrahedron(const T (&x)[3][4], const T& p, T (&f)[3][4]) {
+    T A[3][3], c[3][3];
+    edges_of(x, A);
+    cofactors(A, c);
+    const T share = (1.0 / 6) * p;
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; ++k) f[i][k + 1] = share * c[k][i];
+        f[i][0] = -(f[i][1] + f[i][2] + f[i][3]);
+    }
 }
 
 }  // namespace undertow::fem

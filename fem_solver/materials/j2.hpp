@@ -30,7 +30,7 @@ struct J2 {
     LinearElastic elastic;
     Hardening hardening;  // k(eps_p)
 
-    static constexpr bool plastic = true, hardens = true;
+    static constexpr bool plastic = true, hardens = true, dilates = false;
 
     template <class T>
     UNDERTOW_KERNEL T strength(const T& plastic_strain) const {

@@ -18,7 +18,7 @@ struct LinearElastic {
     double lambda;  // [Pa] first Lame constant
     double mu;      // [Pa] shear modulus
 
-    static constexpr bool plastic = false;
+    static constexpr bool plastic = false, dilates = false;
 
     static LinearElastic from_young(double young_modulus, double poisson_ratio) {
         const double E = young_modulus, nu = poisson_ratio;

@@ -32,6 +32,11 @@ constexpr bool law_hardens() {
     if constexpr (Law::plastic) return Law::hardens;
     return false;
 }
+/// Whether plastic flow can change the volume, so that the mean stress is no longer the elastic one
+/// of the change of volume.
+inline bool dilates(const Material& material) {
+    return std::visit([](const auto& law) { return law.dilates; }, material);
+}
 /// Whether the strength at a point depends on its plastic strain.
 inline bool hardens(const Material& material) {
     return std::visit(

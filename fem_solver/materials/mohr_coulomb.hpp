@@ -8,14 +8,14 @@
 namespace undertow::fem {
 
 /// s1 >= s2 >= s3 principal stresses, tension positive:
-///   f = (1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi <= 0   sliding, flow by the same with psi
-///   s1 <= T <= c cot phi                                           opening, associated flow
+///   f = (1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi <= 0   sliding, flow by the same with
+///   psi s1 <= T <= c cot phi                                           opening, associated flow
 ///
 /// Both surfaces are planes in principal space and elasticity is isotropic, so a return is a sum of
 /// flows off the planes that are active in the end, each in closed form: face, edge s1 = s2, edge
-/// s2 = s3; opened along one, two or three directions; sliding and open, where s1 = T and s3 is what
-/// f = 0 then leaves. With 0 <= psi <= phi and T <= c cot phi one and only one set of planes is
-/// consistent, and the apex of the pyramid belongs to the cut-off.
+/// s2 = s3; opened along one, two or three directions; sliding and open, where s1 = T and s3 is
+/// what f = 0 then leaves. With 0 <= psi <= phi and T <= c cot phi one and only one set of planes
+/// is consistent, and the apex of the pyramid belongs to the cut-off.
 ///   [Clausen, Damkilde and Andersen 2006, 2007; de Souza Neto, Peric and Owen 2008, ch. 8;
 ///    the cut-off: derived in docs/theory_fem.md, 9]
 struct MohrCoulomb {
@@ -28,7 +28,7 @@ struct MohrCoulomb {
     /// T where neither cohesion nor the case sets an end.   [Pa]
     static constexpr double no_cutoff = 1e100;
 
-    static constexpr bool plastic = true, hardens = false;
+    static constexpr bool plastic = true, hardens = false, dilates = true;
 
     /// Radius of the largest Mohr circle around the mean stress; bounds hourglass stresses.   [Pa]
     template <class T>
@@ -37,7 +37,8 @@ struct MohrCoulomb {
         return larger(T(cohesion - sin_friction * p), T(0.0 * p));
     }
 
-    /// Principal stresses r1 >= r2 >= r3 [Pa] return to where they may be. Returns where they moved.
+    /// Principal stresses r1 >= r2 >= r3 [Pa] return to where they may be. Returns where they
+    /// moved.
     template <class T>
     UNDERTOW_KERNEL auto return_principal(T& r1, T& r2, T& r3) const {
         const double lambda = elastic.lambda, mu = elastic.mu;

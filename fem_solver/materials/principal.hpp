@@ -2,11 +2,11 @@
 // Principal values of a symmetric tensor, and a coaxial tensor with other ones, without
 // eigenvectors, branches or trigonometry.
 //
-// The deviator's sign is turned so that J3 <= 0: then one principal value, -x, stands alone, and the
-// other two, x/2 + delta and x/2 - delta, are the near pair. x comes from the cubic, where it is well
-// conditioned; the projector E on its direction and the pair's part N of the deviator D follow as
-// polynomials of D, and delta as the norm of N, so that it keeps its digits where the two meet
-// (sqrt(J2 - 3/4 x^2) would lose half of them):
+// The deviator's sign is turned so that J3 <= 0: then one principal value, -x, stands alone, and
+// the other two, x/2 + delta and x/2 - delta, are the near pair. x comes from the cubic, where it
+// is well conditioned; the projector E on its direction and the pair's part N of the deviator D
+// follow as polynomials of D, and delta as the norm of N, so that it keeps its digits where the two
+// meet (sqrt(J2 - 3/4 x^2) would lose half of them):
 //   E = (D^2 - x D + (x^2 - J2) I)/(3 x^2 - J2),   N = D + 3/2 x E - x/2 I,   delta^2 = N:N/2
 
 #include "fem_solver/materials/linear_elastic.hpp"
@@ -48,8 +48,8 @@ struct Principal {
                              sign * d.xy, sign * d.yz, sign * d.zx};
         const T J2 = larger(its_J2, T(1e-200 * one));  // [Pa2] an isotropic tensor: all are alike
         const T root = square_root(J2);
-        const T x = root * isolated_root(
-                               smaller(T(magnitude(J3) / (J2 * root)), T(largest_isolated_r * one)));
+        const T x = root * isolated_root(smaller(T(magnitude(J3) / (J2 * root)),
+                                                 T(largest_isolated_r * one)));
         const T x2 = x * x, c = x2 - J2, scale = 1.0 / (3.0 * x2 - J2);
         alone.xx = scale * (D.xx * D.xx + D.xy * D.xy + D.zx * D.zx - x * D.xx + c);
         alone.yy = scale * (D.xy * D.xy + D.yy * D.yy + D.yz * D.yz - x * D.yy + c);
@@ -64,9 +64,8 @@ struct Principal {
         pair.xy = D.xy + 3.0 * half_x * alone.xy;
         pair.yz = D.yz + 3.0 * half_x * alone.yz;
         pair.zx = D.zx + 3.0 * half_x * alone.zx;
-        delta = square_root(
-            T(0.5 * (pair.xx * pair.xx + pair.yy * pair.yy + pair.zz * pair.zz) +
-              (pair.xy * pair.xy + pair.yz * pair.yz + pair.zx * pair.zx)));
+        delta = square_root(T(0.5 * (pair.xx * pair.xx + pair.yy * pair.yy + pair.zz * pair.zz) +
+                              (pair.xy * pair.xy + pair.yz * pair.yz + pair.zx * pair.zx)));
         // round-off must not change the order
         delta = smaller(delta, T(1.5 * x));
         const auto third_alone = J3 <= 0.0;

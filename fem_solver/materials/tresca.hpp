@@ -20,7 +20,7 @@ struct Tresca {
     LinearElastic elastic;
     double shear_strength;  // [Pa] s_u
 
-    static constexpr bool plastic = true, hardens = false;
+    static constexpr bool plastic = true, hardens = false, dilates = false;
 
     /// Bounds hourglass stresses.   [Pa]
     template <class T>

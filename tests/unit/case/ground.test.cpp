@@ -97,6 +97,68 @@ TEST_CASE("mistakes in a scene on soil are named with their place") {
                Catch::Contains("from"));
 }
 
+TEST_CASE("a hardening table is read, and one that cannot be is refused") {
+    const auto metal = [](const std::string& lines) {
+        return case_text::with(plate, "poisson_ratio = 0.3\n",
+                               "poisson_ratio = 0.3\nkind = \"j2\"\n" + lines);
+    };
+    const std::string table = "hardening_table = [[0, 2e8], [0.01, 3e8], [0.2, 3e8]]\n";
+    const FemMaterial steel = read(metal(table)).fem.material[0];
+    REQUIRE(steel.hardening_table.size() == 3);
+    CHECK(steel.hardening_table[1] == std::array<double, 2>{0.01, 3e8});
+    CHECK(steel.yield_stress == 2e8);
+    CHECK_THAT(mistake(metal(table + "yield_stress = 2e8\n")), Catch::Contains("one law too many"));
+    CHECK_THAT(mistake(metal(table + "hardening = 1e9\n")), Catch::Contains("one law too many"));
+    CHECK_THAT(mistake(metal("hardening_table = [[0.1, 2e8], [0.2, 3e8]]\n")),
+               Catch::Contains("begin at 0"));
+    CHECK_THAT(mistake(metal("hardening_table = [[0, 2e8], [0, 3e8]]\n")),
+               Catch::Contains("increase"));
+    CHECK_THAT(mistake(metal("hardening_table = [[0, 2e8], [0.1, 1e8]]\n")),
+               Catch::Contains("never fall"));
+    CHECK_THAT(mistake(metal("hardening_table = [[0, 0], [0.1, 1e8]]\n")), Catch::Contains("> 0"));
+    CHECK_THAT(mistake(metal("hardening_table = [[0, 2e8]]\n")), Catch::Contains("hardening_table"));
+    CHECK_THAT(mistake(metal("hardening_table = [[0, 2e8, 1], [1, 2e8, 1]]\n")),
+               Catch::Contains("hardening_table"));
+    std::string long_table = "hardening_table = [[0, 1e8]";
+    for (int k = 1; k < 17; ++k) long_table += ", [" + std::to_string(k) + ", 1e8]";
+    CHECK_THAT(mistake(metal(long_table + "]\n")), Catch::Contains("hardening_table"));
+    CHECK_THAT(mistake(case_text::with(plate, "poisson_ratio = 0.3\n",
+                                       "poisson_ratio = 0.3\n" + table)),
+               Catch::Contains("no effect") && Catch::Contains("j2"));
+}
+
+TEST_CASE("a Mohr-Coulomb material is read, and one that cannot be is refused") {
+    const auto sand = [](const std::string& lines) {
+        return case_text::with(plate, "poisson_ratio = 0.3\n",
+                               "poisson_ratio = 0.3\nkind = \"mohr_coulomb\"\n" + lines);
+    };
+    const std::string usual = "cohesion = 1e4\nfriction_angle = 30\n";
+    const FemMaterial m = read(sand(usual + "dilation_angle = 5\ntension_cutoff = 0\n"))
+                              .fem.material[0];
+    CHECK(m.kind == MaterialKind::mohr_coulomb);
+    CHECK(m.cohesion == 1e4);
+    CHECK(m.friction_angle == 30);
+    CHECK(m.dilation_angle == 5);
+    REQUIRE(m.tension_cutoff);
+    CHECK(*m.tension_cutoff == 0);
+    CHECK_FALSE(read(sand(usual)).fem.material[0].tension_cutoff);
+    CHECK_THAT(mistake(sand("")), Catch::Contains("cohesion"));
+    CHECK_THAT(mistake(sand("cohesion = 1e4\n")), Catch::Contains("friction_angle"));
+    CHECK_THAT(mistake(sand("cohesion = 0\nfriction_angle = 0\n")),
+               Catch::Contains("no strength at all"));
+    CHECK_THAT(mistake(sand(usual + "dilation_angle = 31\n")), Catch::Contains("gain energy"));
+    CHECK_THAT(mistake(sand(usual + "tension_cutoff = 2e4\n")),
+               Catch::Contains("cohesion/tan(friction_angle)"));
+    CHECK(mistake(sand(usual + "tension_cutoff = 1.7e4\n")).empty());
+    CHECK(mistake(sand("cohesion = 1e4\nfriction_angle = 0\ntension_cutoff = 1e5\n")).empty());
+    CHECK_THAT(mistake(sand("cohesion = 1e4\nfriction_angle = 85\n")),
+               Catch::Contains("friction_angle") && Catch::Contains("80"));
+    CHECK_THAT(mistake(sand(usual + "shear_strength = 1e4\n")), Catch::Contains("no effect"));
+    CHECK_THAT(mistake(case_text::with(plate, "poisson_ratio = 0.3\n",
+                                       "poisson_ratio = 0.3\n" + usual)),
+               Catch::Contains("no effect") && Catch::Contains("mohr_coulomb"));
+}
+
 TEST_CASE("mistakes in bodies and gauges are told") {
     const std::string body = plate + "[[sph.body]]\nname = \"b\"\n";
     CHECK_THAT(mistake(body), Catch::Contains("has no box") && Catch::Contains("an stl file"));

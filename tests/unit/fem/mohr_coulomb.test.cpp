@@ -36,8 +36,8 @@ Tensor rotation(std::mt19937& random) {
 /// `cutoff` over c cot phi (over c where phi = 0); 1 is the tip itself.
 MohrCoulomb make_law(double c, double phi, double psi, double nu, double cutoff) {
     const double of_c = phi > 0 ? 1 / std::tan(phi * degree) : cutoff < 1 ? 1 : 1e100 / c;
-    return {LinearElastic::from_young(500 * 1e4, nu), std::sin(phi * degree), std::sin(psi * degree),
-            c * std::cos(phi * degree), cutoff * c * of_c};
+    return {LinearElastic::from_young(500 * 1e4, nu), std::sin(phi * degree),
+            std::sin(psi * degree), c * std::cos(phi * degree), cutoff * c * of_c};
 }
 
 /// n . s <= limit, flow along m.
@@ -152,8 +152,8 @@ TEST_CASE("Mohr-Coulomb returns to where a search through all sets of planes fin
         for (int k = 0; k < 1200; ++k) {
             const Point principal = make_trial(random, law, k % 8);
             const Tensor R = rotation(random);
-            const Symmetric<double> start = symmetric(
-                R * principal.cast<double>().asDiagonal() * R.transpose());
+            const Symmetric<double> start =
+                symmetric(R * principal.cast<double>().asDiagonal() * R.transpose());
             Symmetric<double> s = start;
             PlasticFlow<double> flow;
             law(s, Symmetric<double>{}, 1, flow);
@@ -184,6 +184,118 @@ TEST_CASE("Mohr-Coulomb returns to where a search through all sets of planes fin
     CHECK(double(apart) < 1e-13);
     CHECK(double(unsure) < 1e-15);
     for (int active : of_active) CHECK(active > 500);
+}
+
+TEST_CASE("without friction Mohr-Coulomb is Tresca with s_u = c") {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    constexpr double su = 1e4;
+    const MohrCoulomb law = make_law(su, 0, 0, 0.49, 1);
+    const Tresca tresca{law.elastic, su};
+    const double mu = law.elastic.mu;
+    int returned = 0;
+    for (int k = 0; k < 1000; ++k) {
+        const auto some = [&](double size) {
+            return Symmetric<double>{size * uniform(random), size * uniform(random),
+                                     size * uniform(random), size * uniform(random),
+                                     size * uniform(random), size * uniform(random)};
+        };
+        Symmetric<double> s = some(0.5 * su), t = s;
+        const Symmetric<double> d_eps = some(2 * su / mu);
+        PlasticFlow<double> flow, flow_of_tresca;
+        law(s, d_eps, 1, flow);
+        tresca(t, d_eps, 1, flow_of_tresca);
+        const double size = matrix(t).norm();
+        CHECK((matrix(s) - matrix(t)).norm() < 1e-13 * size);
+        CHECK(flow.yielding == flow_of_tresca.yielding);
+        CHECK(flow.strain == Approx(flow_of_tresca.strain).margin(1e-13 * size / mu));
+        CHECK(flow.work == Approx(flow_of_tresca.work).margin(1e-13 * size * size / mu));
+        returned += flow.yielding > 0;
+    }
+    CHECK(returned > 500);
+}
+
+TEST_CASE("eight lanes of Mohr-Coulomb give what eight scalars give, and book the plastic work") {
+    std::mt19937 random(5);
+    for (const Sand& sand : sands) {
+        const MohrCoulomb law = make_law(sand.c, sand.phi, sand.psi, sand.nu, sand.cutoff);
+        const double lambda = law.elastic.lambda, mu = law.elastic.mu;
+        for (int k = 0; k < 100; ++k) {
+            Symmetric<Lanes> s = {}, d_eps = {};
+            Symmetric<double> s1[n_lanes], d1[n_lanes];
+            double size = 0;
+            for (int l = 0; l < n_lanes; ++l) {
+                const Tensor R = rotation(random);
+                const Point a = make_trial(random, law, l), b = make_trial(random, law, 0);
+                s1[l] = symmetric(R * a.cast<double>().asDiagonal() * R.transpose());
+                d1[l] = symmetric(0.3 / mu * b.cast<double>().asDiagonal().toDenseMatrix());
+                const double *from = &s1[l].xx, *step = &d1[l].xx;
+                Lanes *to = &s.xx, *step_to = &d_eps.xx;
+                for (int c = 0; c < 6; ++c) to[c][l] = from[c], step_to[c][l] = step[c];
+                size = std::max({size, double(a.norm()), 3 * (lambda / mu + 2) * double(b.norm())});
+            }
+            PlasticFlow<Lanes> flow;
+            law(s, d_eps, 1, flow);
+            for (int l = 0; l < n_lanes; ++l) {
+                const Tensor before = matrix(s1[l]);
+                PlasticFlow<double> flow1;
+                law(s1[l], d1[l], 1, flow1);
+                const double* want = &s1[l].xx;
+                const Lanes* got = &s.xx;
+                for (int c = 0; c < 6; ++c)
+                    CHECK(double(got[c][l]) == Approx(want[c]).margin(1e-12 * size));
+                CHECK(flow.yielding[l] == flow1.yielding);
+                CHECK(flow.strain[l] == Approx(flow1.strain).margin(1e-12 * size / mu));
+                CHECK(flow.work[l] == Approx(flow1.work).margin(1e-11 * size * size / mu));
+                // what is not elastic is the plastic strain
+                const Tensor d_eps1 = matrix(d1[l]), change = matrix(s1[l]) - before;
+                const Tensor plastic = d_eps1 - (change - lambda / (3 * lambda + 2 * mu) *
+                                                              change.trace() * Tensor::Identity()) /
+                                                    (2 * mu);
+                const Tensor deviator = plastic - plastic.trace() / 3 * Tensor::Identity();
+                CHECK(flow1.strain ==
+                      Approx(std::sqrt(2. / 3) * deviator.norm()).margin(1e-12 * size / mu));
+                const double work = 0.5 * (before + matrix(s1[l])).cwiseProduct(plastic).sum();
+                CHECK(flow1.work == Approx(work).margin(1e-11 * size * size / mu));
+            }
+        }
+    }
+}
+
+struct Kind {
+    const char* name;
+    ElementFormulation element;
+    BlockCells cells;
+};
+const Kind kinds[] = {
+    {"one-point hexahedra", ElementFormulation::one_point, BlockCells::hexahedra},
+    {"8-point hexahedra", ElementFormulation::b_bar, BlockCells::hexahedra},
+    {"tetrahedra", ElementFormulation::averaged_pressure, BlockCells::tetrahedra}};
+
+TEST_CASE("sand that slides and opens closes its energy balance, whatever the element") {
+    const Kind kind = kinds[GENERATE(0, 1, 2)];
+    BlockCase block{{1, 1, 1}, {2, 3, 2}, 5e6, 0.3, 1846, kind.element, kind.cells};
+    Case c = block.settings();
+    FemMaterial& sand = c.fem.material[0];
+    sand.kind = MaterialKind::mohr_coulomb;
+    sand.cohesion = 5e3;
+    sand.friction_angle = 30;
+    sand.dilation_angle = 10;
+    sand.tension_cutoff = 2e3;
+    c.fem.support = {{"zmin", {"x", "y", "z"}}};
+    const double load = GENERATE(3e4, -8e3);  // pressed, pulled: more than it bears
+    c.fem.pressure = {{"zmax", load, 0.1}};
+    Structure s(build_model(c), 1);
+    const double dt = 0.5 * s.stable_step().dt;
+    Energies e;
+    march(s, dt, int(0.1 / dt), [&](int) { e = s.energies(); });
+    const double scale = e.internal + e.plastic;
+    WARN(kind.name << (load > 0 ? ", pressed" : ", pulled") << ": plastic " << e.plastic
+                   << " J, stored " << e.internal << " J, hourglass " << e.hourglass
+                   << " J, balance error over both " << e.balance_error() / scale);
+    CHECK(e.plastic > 0.2 * e.internal);
+    CHECK(std::abs(e.balance_error()) < 1e-5 * scale);
+    CHECK(s.yielding_elements() > 0);
 }
 
 }  // namespace
