@@ -59,7 +59,10 @@ void Tetrahedra::number_patches(const Mesh& mesh, const std::vector<Part>& parts
     }
     dilatation_ = make_dilatation();
     for (const Part& part : parts)
-        if (dilates(part.material)) mean_stress_.resize(patches());
+        if (dilates(part.material)) {
+            mean_stress_.resize(patches());
+            start_mean_.resize(batches_.size(), Lanes{});
+        }
 }
 
 Tetrahedra::Dilatation Tetrahedra::make_dilatation() const {
@@ -71,8 +74,10 @@ Tetrahedra::Dilatation Tetrahedra::make_dilatation() const {
 }
 
 void Tetrahedra::set_stress(std::int32_t element, const Symmetric<double>& stress) {
-    batches_.at_lanes_of(element,
-                         [&](std::size_t b, int l) { set_lane(state_[b].stress, l, stress); });
+    batches_.at_lanes_of(element, [&](std::size_t b, int l) {
+        set_lane(state_[b].stress, l, stress);
+        if (!start_mean_.empty()) start_mean_[b][l] = (stress.xx + stress.yy + stress.zz) / 3;
+    });
 }
 
 ExtremeElement Tetrahedra::most_compressed(const Nodes& nodes) const {

@@ -39,7 +39,7 @@ class Tetrahedra final
                       Dilatation& out) const;
     void average(Dilatation& out, int threads) const;
     void average_mean_stress(int threads);
-    void press(Nodes& nodes, int threads);
+    double press(Nodes& nodes, int threads);
     Lanes dilatation(std::size_t batch, const Dilatation& from) const;
 
     std::vector<std::array<std::int32_t, n_lanes>> patch_of_;  // [n_batches]
@@ -47,7 +47,10 @@ class Tetrahedra final
     // taken in this order.
     std::vector<std::int32_t> patch_begin_, patch_slot_;
     Dilatation dilatation_;
-    std::vector<double> mean_stress_;  // [Pa] of the patches; empty where no material dilates
+    // Where a material dilates, else empty: [Pa] mean stress of the patches beyond what elements were
+    // given at the start, [n_patches], and the latter, [n_batches].
+    std::vector<double> mean_stress_;
+    std::vector<Lanes> start_mean_;
 };
 
 }  // namespace undertow::fem

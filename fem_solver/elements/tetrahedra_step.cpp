@@ -32,6 +32,12 @@ void Tetrahedra::average(Dilatation& out, int threads) const {
     }
 }
 
+inline Lanes Tetrahedra::dilatation(std::size_t b, const Dilatation& from) const {
+    Lanes out;
+    for (int l = 0; l < n_lanes; ++l) out[l] = from.of_patch[patch_of_[b][l]];
+    return out;
+}
+
 /// Over the volumes, so that patch and elements do the same work: sum V p theta_patch = p_patch sum
 /// V theta.
 void Tetrahedra::average_mean_stress(int threads) {
@@ -42,9 +48,9 @@ void Tetrahedra::average_mean_stress(int threads) {
             const Symmetric<Lanes>& s = state_[b].stress;
             const double V = dilatation_.volume[b][l];
             volume += V;
-            sum += V * (s.xx[l] + s.yy[l] + s.zz[l]);
+            sum += V * ((1.0 / 3) * (s.xx[l] + s.yy[l] + s.zz[l]) - start_mean_[b][l]);
         }
-        mean_stress_[p] = sum / (3 * volume);
+        mean_stress_[p] = sum / volume;
     };
     const std::size_t n = patches();
     if (threads > 1) {
@@ -55,27 +61,31 @@ void Tetrahedra::average_mean_stress(int threads) {
     }
 }
 
-/// Forces of the patches' mean stress, where materials dilate.
-void Tetrahedra::press(Nodes& nodes, int threads) {
+/// Forces of the mean stress where materials dilate: the patch's, and on top what the element was given
+/// at the start, so that ground at rest stays at rest. Returns the work [J] that the latter does on the
+/// element's own dilatation beyond the patch's.
+double Tetrahedra::press(Nodes& nodes, int threads) {
     average_mean_stress(threads);
-    batches_.sweep(threads, [&](const Chunk& chunk) {
-        if (!dilates(parts_[batches_[chunk.begin].part].material)) return ElementsReport{};
+    const ElementsReport sum = batches_.sweep(threads, [&](const Chunk& chunk) {
+        ElementsReport report;
+        if (!dilates(parts_[batches_[chunk.begin].part].material)) return report;
+        Lanes work = {};
         for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
             const auto& batch = batches_[b];
             Lanes x[3][4], f[3][4], p;
             gather_corners(nodes.x.data(), batch.node, x);
             for (int l = 0; l < n_lanes; ++l) p[l] = mean_stress_[patch_of_[b][l]];
-            press_tetrahedron(x, p, f);
+            press_tetrahedron(x, Lanes(p + start_mean_[b]), f);
             scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
+            const Lanes of_midpoint = dilatation_.volume[b] - 0.5 * dilatation_.change[b];
+            const Lanes other =
+                dilatation_.change[b] - of_midpoint * dilatation(b, dilatation_);  // [m3]
+            work += first_lanes(start_mean_[b] * other, batch.valid);
         }
-        return ElementsReport{};
+        report.strain_work = sum_lanes(work);
+        return report;
     });
-}
-
-inline Lanes Tetrahedra::dilatation(std::size_t b, const Dilatation& from) const {
-    Lanes out;
-    for (int l = 0; l < n_lanes; ++l) out[l] = from.of_patch[patch_of_[b][l]];
-    return out;
+    return sum.strain_work;
 }
 
 /// The kernel with the dilatation of the elements' patches.
@@ -96,8 +106,8 @@ ElementsReport Tetrahedra::step(Nodes& nodes, double dt, int threads) {
         return ElementsReport{};
     });
     average(dilatation_, threads);
-    const ElementsReport report = step_all(nodes, dt, threads, WithDilatation{*this, dilatation_});
-    if (!mean_stress_.empty()) press(nodes, threads);
+    ElementsReport report = step_all(nodes, dt, threads, WithDilatation{*this, dilatation_});
+    if (!mean_stress_.empty()) report.strain_work += press(nodes, threads);
     return report;
 }
 

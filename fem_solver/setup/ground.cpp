@@ -1,5 +1,6 @@
 #include "fem_solver/setup/ground.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -41,6 +42,51 @@ std::vector<int> part_of_elements(const Mesh& mesh, const std::vector<Part>& par
     return part_of;
 }
 
+/// What a material bears beside a vertical stress, both horizontal ones alike.
+struct Strength {
+    double least, most;  // [Pa] horizontal stress, tension positive
+    std::string keys;    // that set it
+};
+
+struct StrengthBeside {
+    double vertical;  // [Pa]
+    std::optional<Strength> operator()(const LinearElastic&) const { return {}; }
+    std::optional<Strength> operator()(const Tresca& law) const {
+        const double k = 2 * law.shear_strength;
+        return Strength{vertical - k, vertical + k,
+                        "shear_strength = " + number_text(law.shear_strength) + " Pa"};
+    }
+    std::optional<Strength> operator()(const J2& law) const {
+        const double k = law.hardening.yield_stress;  // |s_h - s_v| = sqrt(3 J2)
+        return Strength{vertical - k, vertical + k, "a yield stress of " + number_text(k) + " Pa"};
+    }
+    std::optional<Strength> operator()(const MohrCoulomb& law) const {
+        const double a = 1 + law.sin_friction, b = 1 - law.sin_friction;
+        return Strength{(a * vertical - 2 * law.cohesion) / b,
+                        std::min(law.tension, (b * vertical + 2 * law.cohesion) / a),
+                        "cohesion, friction_angle and tension_cutoff"};
+    }
+};
+
+std::optional<Strength> strength_of(const Material& material, double vertical) {
+    return std::visit(StrengthBeside{vertical}, material);
+}
+
+/// InputError where ground at rest would have yielded already.
+void check_at_rest(const Strength& strength, double vertical, double K0, double z,
+                   const std::string& element, const std::string& part) {
+    const double horizontal = K0 * vertical, round_off = 1e-12 * std::abs(vertical);
+    if (horizontal >= strength.least - round_off && horizontal <= strength.most + round_off) return;
+    const double allowed = horizontal < vertical ? strength.least : strength.most;
+    throw InputError(
+        "fem.geostatic: at z = " + number_text(z) + " m (" + element + " of \"" + part +
+        "\") earth_pressure = " + number_text(K0) + " asks for " +
+        number_text((horizontal - vertical) / (allowed - vertical)) +
+        " times the shear stress that " + strength.keys + " allow; there, " +
+        number_text(std::max(0.0, strength.most / vertical)) + " to " + number_text(strength.least / vertical) +
+        " would do: bring earth_pressure nearer to 1.");
+}
+
 }  // namespace
 
 std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
@@ -67,14 +113,8 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
         const double vertical =
             -part.weight_density.value_or(part.density) * g * (ground.surface - z);
         const double horizontal = K0 * vertical;
-        if (const Tresca* law = std::get_if<Tresca>(&part.material))
-            if (std::abs(vertical - horizontal) > 2 * law->shear_strength)
-                throw InputError(
-                    "fem.geostatic: at z = " + number_text(z) + " m (" + mesh.element_name(e) +
-                    ") earth_pressure = " + number_text(K0) + " asks for a shear stress of " +
-                    number_text(std::abs(vertical - horizontal) / 2) +
-                    " Pa, beyond shear_strength = " + number_text(law->shear_strength) +
-                    " Pa; bring earth_pressure nearer to 1.");
+        if (const std::optional<Strength> strength = strength_of(part.material, vertical))
+            check_at_rest(*strength, vertical, K0, z, mesh.element_name(e), part.name);
         all.push_back({e, {horizontal, horizontal, vertical, 0, 0, 0}});
     }
     return all;

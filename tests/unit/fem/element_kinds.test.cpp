@@ -63,7 +63,9 @@ TEST_CASE("uniform strain gives uniform stress and no force inside, whatever the
     const Yielding material = GENERATE(elastic, tresca, j2, mohr_coulomb);
     const bool flows = material.kind != MaterialKind::linear_elastic;
     Structure s = distorted(block_of(kind, {4, 5, 3}, nu), 0.1, material, flows ? 400 : 0);
-    const double H[3][3] = {{1e-6, 2e-7, -3e-7}, {1e-7, -5e-7, 2e-7}, {4e-7, 1e-7, 8e-7}};
+    double H[3][3] = {{1e-6, 2e-7, -3e-7}, {1e-7, -5e-7, 2e-7}, {4e-7, 1e-7, 8e-7}};
+    if (material.kind == MaterialKind::mohr_coulomb)  // no expansion: it would end at the tip, at 0
+        for (int i = 0; i < 3; ++i) H[i][i] -= 1.3e-6 / 3;
     Nodes& nodes = s.nodes();
     for (std::size_t n = 0; n < nodes.size(); ++n)
         for (int i = 0; i < 3; ++i)
@@ -325,6 +327,8 @@ TEST_CASE("soil at rest stays at rest beside the far field, whatever the element
     const Kind kind = GENERATE(one_point, b_bar, tetrahedra);
     BlockCase block{{4, 3, 3}, {5, 4, 4}, 4.77e6, 0.49, 1846, kind.element, kind.cells};
     Case c = block.settings();
+    const Yielding material = GENERATE(elastic, mohr_coulomb);
+    material.give(c, 2e4);
     c.info.gravity = {0, 0, -9.81};
     c.fem.material[0].weight_density = 846;
     c.fem.geostatic = FemGeostatic{"block", 3, 0.8};

@@ -63,6 +63,27 @@ TEST_CASE("a geostatic stress that cannot be is refused") {
     c.fem.geostatic = FemGeostatic{"block", 0, 0.2};
     CHECK_THROWS_WITH(build_model(c),
                       Catch::Contains("earth_pressure") && Catch::Contains("shear_strength"));
+    // 3.5 m down sigma_v = -29.05 kPa: K0 must leave |sigma_v - sigma_h| <= 2 s_u = 19.08 kPa
+    CHECK_THROWS_WITH(build_model(c), Catch::Contains("hexahedron 1 of") &&
+                                          Catch::Contains("1.2179") && Catch::Contains("0.343"));
+    FemMaterial& m = c.fem.material[0];
+    m.kind = MaterialKind::j2;
+    m.yield_stress = 15e3;
+    CHECK_THROWS_WITH(build_model(c), Catch::Contains("1.549") && Catch::Contains("yield stress"));
+    m.kind = MaterialKind::mohr_coulomb;
+    m.friction_angle = 30;  // K0 from (1 - sin)/(1 + sin) = 1/3 to 3
+    for (const double K0 : {0.34, 1.0, 2.99}) {
+        c.fem.geostatic->earth_pressure = K0;
+        CHECK_NOTHROW(build_model(c));
+    }
+    c.fem.geostatic->earth_pressure = 0.2;
+    CHECK_THROWS_WITH(build_model(c), Catch::Contains("1.2 times") && Catch::Contains("0.333") &&
+                                          Catch::Contains(" to 3 would do"));
+    c.fem.geostatic->earth_pressure = 3.5;
+    CHECK_THROWS_WITH(build_model(c), Catch::Contains("1.25 times"));
+    m.cohesion = 5e3;  // and 2 c cos phi/(1 - sin phi) = 17.3 kPa on top of 3 sigma_v
+    CHECK_NOTHROW(build_model(c));
+    m.kind = MaterialKind::tresca;
     c.fem.geostatic = FemGeostatic{"block", 0, 1};
     c.info.gravity = {1, 0, -9.81};
     CHECK_THROWS_WITH(build_model(c), Catch::Contains("case.gravity"));
