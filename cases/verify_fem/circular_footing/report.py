@@ -1,0 +1,37 @@
+"""Mean pressure under a circular footing that gives way, over the strength."""
+import numpy as np
+
+from undertow_tool.verify.structure import MeasuredStructure
+
+RADIUS = 1.0      # [m] as in mesh.py
+ROUGH, SMOOTH = 6.05, 5.69
+
+
+def course(run):
+    """(settlement [m], mean pressure over s_u) over time. The outermost nodes bear half an element beyond the edge."""
+    history = run.history("fem.history")
+    area = 0.25 * np.pi * (RADIUS + 0.5 * run.dx)**2
+    strength = run.case["fem"]["material"][0]["shear_strength"]
+    return -history["footing.uz"], -history["motion footing.fz"] / (area * strength)
+
+
+def exact(case):
+    return ROUGH if any(support["set"] == "footing" for support in case["fem"]["support"]) else SMOOTH
+
+
+def report(results_dir, case, summary):
+    run = MeasuredStructure(results_dir, case, summary)
+    load = course(run)[1]
+    run.compare("limit load", float(np.mean(load[-20:])), exact(case))
+    run.tell("rise over the last half", float(load[-1] / load[len(load) // 2] - 1), "1")
+    return run.rows
+
+
+def draw(axes, runs):
+    """Load over settlement of all runs."""
+    for name, run in runs:
+        settlement, load = course(run)
+        axes.plot(100 * settlement / RADIUS, load, label=name)
+    axes.axhline(ROUGH, color="k", linestyle="--", linewidth=0.7)
+    axes.set(xlabel="settlement over radius [%]", ylabel="pressure over s_u")
+    axes.legend(fontsize=7)
