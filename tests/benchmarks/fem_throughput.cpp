@@ -1,9 +1,9 @@
 // Element-steps per second of the whole step (stable step, internal forces, health, kick, drift) of
-// the one-point hexahedron, the 8-point one and the tetrahedron, double: elastic, Tresca that stays
-// elastic, Tresca with every element flowing in every step. Inner nodes moved by a tenth of an
+// the one-point hexahedron, the 8-point one and the tetrahedron, double: elastic; Tresca, J2 and
+// Mohr-Coulomb that stay elastic, and with every element flowing in every step. Inner nodes moved by a tenth of an
 // element. Then the whole step of implicit parts at twenty times the elements' own step: plates one
 // element thick, and a cube.
-//   bench_fem_throughput [--json | --shells]
+//   bench_fem_throughput [--json | --shells | --materials]
 // Shells: elastic, and J2 at five points through the thickness.
 // Targets: 15 M element-steps/s on one core at 64,000 elements, 20 us per step for 240 elements; 5 M
 // for the 8-point hexahedron.
@@ -34,7 +34,49 @@ double cpu_clock() {  // of this thread: what other programs take does not count
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-enum class Law { elastic, tresca_elastic, tresca_flowing };
+enum class Law {
+    elastic,
+    tresca_elastic,
+    tresca_flowing,
+    j2_elastic,
+    j2_flowing,
+    mohr_coulomb_elastic,
+    mohr_coulomb_flowing
+};
+constexpr const char* law_names[] = {"",
+                                     ", Tresca, all elastic",
+                                     ", Tresca, all flowing",
+                                     ", J2, all elastic",
+                                     ", J2, all flowing",
+                                     ", Mohr-Coulomb, all elastic",
+                                     ", Mohr-Coulomb, all flowing"};
+bool flows(Law law) {
+    return law == Law::tresca_flowing || law == Law::j2_flowing || law == Law::mohr_coulomb_flowing;
+}
+void give_law(FemMaterial& material, Law law) {
+    const double strength = flows(law) ? 1e4 : 1e12;  // [Pa]
+    switch (law) {
+        case Law::elastic:
+            return;
+        case Law::tresca_elastic:
+        case Law::tresca_flowing:
+            material.kind = MaterialKind::tresca;
+            material.shear_strength = strength;
+            return;
+        case Law::j2_elastic:
+        case Law::j2_flowing:
+            material.kind = MaterialKind::j2;
+            material.yield_stress = strength;
+            material.hardening = 1e9;
+            return;
+        case Law::mohr_coulomb_elastic:
+        case Law::mohr_coulomb_flowing:
+            material.kind = MaterialKind::mohr_coulomb;
+            material.cohesion = strength;
+            material.friction_angle = 30;
+            return;
+    }
+}
 
 /// A kind of elements, as a case names it.
 struct Kind {
@@ -56,10 +98,7 @@ Model make_model(const std::array<int, 3>& divisions, Law law, const Kind& kind)
         {},
         kind.cells};
     c.fem.material = {{"steel", MaterialKind::linear_elastic, 7850, {}, 210e9, 0.3, 0}};
-    if (law != Law::elastic) {
-        c.fem.material[0].kind = MaterialKind::tresca;
-        c.fem.material[0].shear_strength = law == Law::tresca_elastic ? 1e12 : 1e4;
-    }
+    give_law(c.fem.material[0], law);
     c.fem.part = {{"block", "steel", kind.element}};
     c.fem.support = {{"zmin", {"x", "y", "z"}}};
     Model model = build_model(c);
@@ -85,7 +124,7 @@ void shear(Structure& s, double dt) {
 double step_time(const std::array<int, 3>& divisions, int threads, Law law, const Kind& kind) {
     Structure s(make_model(divisions, law, kind), threads);
     const double dt = s.stable_step().dt;
-    if (law == Law::tresca_flowing) shear(s, dt);
+    if (flows(law)) shear(s, dt);
     const int steps = std::max(5, int(2e6 / double(s.elements().size())));
     double best = 1e300;
     for (int repeat = 0; repeat < 8; ++repeat) {
@@ -100,7 +139,7 @@ double step_time(const std::array<int, 3>& divisions, int threads, Law law, cons
         best = std::min(best, ((threads > 1 ? wall_clock() : cpu_clock()) - start) / steps);
     }
     const double yielding = double(s.yielding_elements()) / double(s.elements().size());
-    if (yielding != (law == Law::tresca_flowing ? 1 : 0))
+    if (yielding != (flows(law) ? 1 : 0))
         std::fprintf(stderr, "warning: %g of the elements yield\n", yielding);
     return best;
 }
@@ -113,10 +152,7 @@ double print(const std::array<int, 3>& divisions, int threads, Law law = Law::el
     std::fprintf(stderr,
                  "%8.0f elements, %d thread%s: %9.1f us per step, %6.2f M element-steps/s%s%s\n",
                  elements, threads, threads > 1 ? "s" : "", 1e6 * time, 1e-6 * elements / time,
-                 kind.name,
-                 law == Law::elastic          ? ""
-                 : law == Law::tresca_elastic ? ", Tresca, all elastic"
-                                              : ", Tresca, all flowing");
+                 kind.name, law_names[int(law)]);
     return elements / time;
 }
 
@@ -223,7 +259,34 @@ double print_shells(int n, Section section) {
     return elements / best;
 }
 
+/// J2 and Mohr-Coulomb in 64,000 elements of each kind; prints their figures for --json.
+void print_materials(bool json) {
+    const struct {
+        const Kind& kind;
+        std::array<int, 3> divisions;
+        const char* name;
+    } of_kind[] = {{one_point, {40, 40, 40}, "hex1"},
+                   {eight_point, {40, 40, 40}, "hex8_bbar"},
+                   {tetrahedra, {22, 22, 22}, "tet4"}};
+    const struct {
+        Law law;
+        const char* name;
+    } of_law[] = {{Law::j2_elastic, "j2"},
+                  {Law::j2_flowing, "j2_flowing"},
+                  {Law::mohr_coulomb_elastic, "mohr_coulomb"},
+                  {Law::mohr_coulomb_flowing, "mohr_coulomb_flowing"}};
+    for (const auto& k : of_kind)
+        for (const auto& l : of_law) {
+            const double rate = print(k.divisions, 1, l.law, k.kind);
+            if (json) std::printf("\"fem.%s_%s\": %.4g, ", k.name, l.name, rate);
+        }
+}
+
 int main(int argc, char** argv) {
+    if (argc > 1 && std::strcmp(argv[1], "--materials") == 0) {
+        print_materials(false);
+        return 0;
+    }
     if (argc > 1 && std::strcmp(argv[1], "--shells") == 0) {
         for (Section section : {Section::elastic, Section::layered, Section::flowing})
             print_shells(200, section);
@@ -250,9 +313,12 @@ int main(int argc, char** argv) {
     const double implicit[4] = {print_implicit({1, 12, 12}), print_implicit({1, 28, 28}),
                                 print_implicit({1, 57, 57}), print_implicit({1, 90, 90})};
     print_implicit({12, 12, 12});
-    if (argc > 1 && std::strcmp(argv[1], "--json") == 0)
+    const bool json = argc > 1 && std::strcmp(argv[1], "--json") == 0;
+    if (json) std::printf("{");
+    print_materials(json);
+    if (json)
         std::printf(
-            "{\"fem.hex1_elastic\": %.4g, \"fem.hex1_tresca\": %.4g, "
+            "\"fem.hex1_elastic\": %.4g, \"fem.hex1_tresca\": %.4g, "
             "\"fem.hex1_tresca_flowing\": %.4g, \"fem.hex8_bbar\": %.4g, "
             "\"fem.hex8_bbar_tresca\": %.4g, \"fem.hex8_bbar_tresca_flowing\": %.4g, "
             "\"fem.tet4\": %.4g, \"fem.tet4_tresca\": %.4g, \"fem.tet4_tresca_flowing\": %.4g, "
