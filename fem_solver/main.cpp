@@ -62,6 +62,11 @@ void log_start(const Structure& structure, const MeshQuality& quality) {
         log_info(sentence("implicit parts: %zu unknowns; explicit, their elements' bound would be "
                           "%.4g s. A mode omega moves slower by (omega dt)^2/9",
                           implicit->unknowns(), implicit->explicit_step()));
+    for (const ScaledPart& part : structure.model().mass_scaling)
+        log_info(sentence("mass scaling of %s: %zu elements are heavier, %.6g kg of inertia added "
+                          "to %.6g kg (%.3g %%); weight is as it was",
+                          part.part.c_str(), part.elements, part.added, part.mass,
+                          part.mass > 0 ? 100 * part.added / part.mass : 0.0));
     if (structure.omega_bound() == 0) return;
     const std::size_t stiffest = structure.elements().stiffest();
     log_info(

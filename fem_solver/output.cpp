@@ -245,6 +245,11 @@ void Output::summary(const RunFigures& run, const Structure& structure) const {
         s.set("implicit.assemblies", implicit->assemblies());
         s.set("implicit.explicit_step", implicit->explicit_step());
     }
+    for (const ScaledPart& part : structure.model().mass_scaling) {
+        s.set("mass_scaling." + part.part + ".elements", std::int64_t(part.elements));
+        s.set("mass_scaling." + part.part + ".mass", part.mass);
+        s.set("mass_scaling." + part.part + ".added_mass", part.added);
+    }
     if (settlement_) summarize_settlement(s, structure);
     if (structure.model().water) {
         const StaticWater::Difference& d = structure.model().water->difference();

@@ -23,6 +23,14 @@ std::vector<double> masses_of(const Elements& elements, const Model& model) {
     std::vector<double> mass = elements.nodal_masses(model.mesh.x.size());
     for (const RigidSet& body : model.rigid)
         for (std::size_t i = 0; i < body.nodes.size(); ++i) mass[body.nodes[i]] += body.mass[i];
+    add_point_masses(model.point_masses, mass);
+    return mass;
+}
+
+/// [kg] that gravity acts on, of elements that deform and point masses.
+std::vector<double> weight_masses_of(const Elements& elements, const Model& model) {
+    std::vector<double> mass = elements.nodal_weight_masses(model.mesh.x.size());
+    add_point_masses(model.point_masses, mass);
     return mass;
 }
 
@@ -32,7 +40,7 @@ Structure::Structure(Model model, int threads)
     : model_(std::move(model)),
       elements_(model_.mesh, model_.parts, model_.bulk_viscosity),
       nodes_(make_nodes(model_.mesh, masses_of(elements_, model_),
-                        elements_.nodal_weight_masses(model_.mesh.x.size()))),
+                        weight_masses_of(elements_, model_))),
       contact_(model_.surface.node),
       // below this a step takes less time than waking threads several times
       threads_(elements_.size() < 16384 ? 1 : threads) {
@@ -58,6 +66,7 @@ Structure::Structure(Model model, int threads)
     }
     if (elements_.implicit())
         implicit_ = std::make_unique<ImplicitParts>(model_, *elements_.implicit(), nodes_);
+    stiffness_damping_ = StiffnessDamping(model_.damping_beta, elements_, nodes_);
     report_.omega2 = elements_.omega2_start();
     find_frequency();
     omega_start_ = tightening_ * omega_bound();
@@ -146,6 +155,7 @@ void Structure::find_frequency() {
 
 void Structure::internal_forces() {
     report_ = elements_.step(nodes_, dt_, threads_);
+    if (!stiffness_damping_.empty()) stiffness_damping_.add_forces(elements_, nodes_);
     for (SectionForce& section : model_.sections)
         section.measure(nodes_.x, nodes_.f, elements_.turning_nodes());
     strain_work_ += report_.strain_work;
@@ -205,6 +215,7 @@ void Structure::kick(double dt) {
     if (!faces_.empty())
         contact_.work += 0.5 * dt_ * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt_);
+    if (!stiffness_damping_.empty()) stiffness_damping_.do_work(elements_, nodes_, 0.5 * dt_);
     model_.far_field.before_kick(nodes_, dt_);
     const Kick step{dt_, dt, model_.gravity, model_.damping};
     for (const RigidBody& body : bodies_) body.rest_nodes(nodes_);
@@ -241,6 +252,7 @@ void Structure::drift(double dt) {
     if (!faces_.empty())
         contact_.work += 0.5 * dt * faces_.power(contact_.force, *elements_.turning_nodes());
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
+    if (!stiffness_damping_.empty()) stiffness_damping_.do_work(elements_, nodes_, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
     fem::drift(nodes_, dt, threads_);
     elements_.drift(dt, threads_);
@@ -275,6 +287,7 @@ void Structure::count_from_here() {
     strain_work_ = hourglass_work_ = viscous_work_ = damping_work_ = damping_ahead_ = 0;
     plastic_work_ = 0;
     contact_.work = 0;
+    stiffness_damping_.reset_work();
     model_.far_field.reset_work();
     if (model_.water) model_.water->load.work = 0;
     for (PressureLoad& pressure : model_.pressures) pressure.load.work = 0;
@@ -330,8 +343,9 @@ const StableStep& Structure::stable_step() {
     // bound, and it is found anew.
     if (report_.stiffening > 1.1) find_frequency();
     const double b2 = model_.bulk_viscosity.quadratic;
-    const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression;
     const double omega = tightening_ * std::sqrt(report_.omega2);
+    const double xi = model_.bulk_viscosity.linear + b2 * b2 * report_.compression +
+                      0.5 * model_.damping_beta * omega;
     const auto limit_to = [&](double dt, const char* limiter) {
         if (dt >= stable_.dt) return;
         stable_.dt = dt;
@@ -398,7 +412,7 @@ Energies Structure::energies() const {
     e.plastic = plastic_work_;
     e.hourglass = hourglass_work_;
     e.bulk_viscosity = viscous_work_;
-    e.damping = damping_work_;
+    e.damping = damping_work_ + stiffness_damping_.dissipated();
     e.far_field = model_.far_field.dissipated();
     e.external = model_.far_field.reaction_work();
     if (model_.water) e.external += model_.water->load.work;

@@ -13,6 +13,7 @@
 #include "fem_solver/elements/element_groups.hpp"
 #include "fem_solver/implicit/implicit_parts.hpp"
 #include "fem_solver/nodes.hpp"
+#include "fem_solver/physics/stiffness_damping.hpp"
 #include "fem_solver/rigid/rigid_body.hpp"
 #include "fem_solver/setup/model.hpp"
 #include "fem_solver/shells/shell_faces.hpp"
@@ -102,7 +103,7 @@ class Structure {
     /// or (looked for now and then) folds, or a node outruns sound.
     void check_health(std::int64_t n, double t) const;
     /// dt = (2/omega) (sqrt(cfl^2 + xi^2) - xi), xi = b1 + b2^2 Ma the bulk viscosity's damping
-    /// ratio at the closing Mach number Ma: stiffness and lagged viscosity together take cfl^2 of
+    /// ratio at the closing Mach number Ma, plus beta omega/2 of Rayleigh damping by stiffness: stiffness and lagged viscosity together take cfl^2 of
     /// the stability limit, and leave 1 - cfl^2 of it to contact.  [Eq. 13 with c from (1-2 nu);
     /// omega from the elements' bound, tightened by the largest eigenfrequency of the whole mesh]
     const StableStep& stable_step();
@@ -156,6 +157,7 @@ class Structure {
     NodalLoad contact_;
     ShellFaces faces_;  // of the coupled surface; empty without shells
     std::unique_ptr<ImplicitParts> implicit_;
+    StiffnessDamping stiffness_damping_;
     std::vector<RigidBody> bodies_;
     std::vector<ContactPair> pairs_;
     std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies

@@ -47,6 +47,10 @@ class BatchedGroup : public ElementGroup {
             [&](int part) { return weight_share(parts_[part]); });
     }
     double omega2_start() const override { return omega2_start_; }
+    void write_omega2(std::span<double> omega2) const override {
+        batches_.for_each_element(
+            [&](std::size_t e, std::size_t b, int l) { omega2[e] = omega2_[b][l]; });
+    }
     void accept_shape() override {
         for (std::size_t b = 0; b < batches_.size(); ++b) set_reference(b, omega2_[b]);
     }

@@ -56,6 +56,8 @@ class ElementGroup {
     /// Gives an element of the group a stress [Pa] to start with.
     virtual void set_stress(std::int32_t element, const Symmetric<double>& stress) = 0;
     virtual double omega2_start() const = 0;  // [1/s2] largest bound of any element
+    /// [1/s2] present bounds (elements of the mesh); fills its own.
+    virtual void write_omega2(std::span<double> omega2) const = 0;
 
     /// Stress and internal forces at n: subtracts them from nodes.f. dt is the step that led from
     /// n-1 to n; with 0 the forces of the present stresses, at rest. The same bits for any number

@@ -129,6 +129,12 @@ double Elements::omega2_start() const {
     return largest;
 }
 
+std::vector<double> Elements::omega2() const {
+    std::vector<double> all(size(), 0.0);
+    for (const auto& group : groups_) group->write_omega2(all);
+    return all;
+}
+
 ElementsReport Elements::step(Nodes& nodes, double dt, int threads) {
     ElementsReport total;
     for (const auto& group : groups_) {

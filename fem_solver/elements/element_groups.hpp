@@ -35,6 +35,7 @@ class Elements {
     std::vector<double> nodal_weight_masses(std::size_t n_nodes) const;
     void set_stress(std::int32_t element, const Symmetric<double>& stress);
     double omega2_start() const;
+    std::vector<double> omega2() const;  // [1/s2] (n_elements); 0 of a rigid body's
     double largest_wave_speed() const { return wave_speed_; }
     bool any_plastic() const { return any_plastic_; }
 

@@ -1,5 +1,7 @@
 #include "fem_solver/elements/tetrahedra.hpp"
 
+#include <algorithm>
+
 #include "fem_solver/elements/patches.hpp"
 
 namespace undertow::fem {
@@ -41,14 +43,22 @@ Tetrahedra::Tetrahedra(const Mesh& mesh, const std::vector<Part>& parts,
 void Tetrahedra::number_patches(const Mesh& mesh, const std::vector<Part>& parts) {
     patch_of_.resize(batches_.size());
     std::vector<std::vector<std::int32_t>> slots;  // of each patch
-    for (const Part& part : parts) {
-        const std::vector<std::int32_t> patch = make_patches(mesh, part.elements, patch_size);
+    for (std::size_t first_of = 0; first_of < parts.size(); ++first_of) {
+        // parts that mass scaling split, which lie side by side, average together
+        const std::string& name = parts[first_of].name;
+        std::vector<std::int32_t> elements = parts[first_of].elements;
+        while (first_of + 1 < parts.size() && parts[first_of + 1].name == name) {
+            const std::vector<std::int32_t>& more = parts[++first_of].elements;
+            elements.insert(elements.end(), more.begin(), more.end());
+            std::sort(elements.begin(), elements.end());
+        }
+        const std::vector<std::int32_t> patch = make_patches(mesh, elements, patch_size);
         const std::size_t first = slots.size();
         for (std::size_t i = 0; i < patch.size(); ++i) {
             const std::size_t p = first + std::size_t(patch[i]);
             slots.resize(std::max(slots.size(), p + 1));
-            slots[p].push_back(batches_.slot(part.elements[i]));
-            batches_.at_lanes_of(part.elements[i],
+            slots[p].push_back(batches_.slot(elements[i]));
+            batches_.at_lanes_of(elements[i],
                                  [&](std::size_t b, int l) { patch_of_[b][l] = std::int32_t(p); });
         }
     }

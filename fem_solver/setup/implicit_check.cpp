@@ -83,6 +83,9 @@ void check_implicit_parts(const Case& c, const Model& model) {
                          " is too much for implicit parts: it must be <= " +
                          number_text(largest_viscosity) + "; 0.06 is usual.");
     check_neighbors(c, model);
+    if (only_implicit_parts(model) && c.fem.damping_beta > 0)
+        throw InputError("fem.damping_beta has no effect: it damps explicit parts, and all that "
+                         "deforms is implicit; use implicit_damping, or leave it out.");
     if (!only_implicit_parts(model) || std::isfinite(c.time.max_step)) return;
     const std::string rest =
         ": all that deforms is implicit, so that nothing limits the step; set time.max_step to "

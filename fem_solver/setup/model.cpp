@@ -217,11 +217,12 @@ Model build_model(const Case& c, Mesh mesh) {
     model.mesh = std::move(mesh);
     model.parts = make_parts(c.fem, model.mesh);
     model.rigid = take_rigid_sets(c, model.mesh, model.parts);
+    model.bulk_viscosity = {c.fem.bulk_viscosity_linear, c.fem.bulk_viscosity_quadratic};
+    model.point_masses = make_point_masses(c, model.mesh, model.rigid);
     model.motions = make_motions(c, model.mesh, model.rigid);
     model.contacts = make_contact_sets(c, model.mesh, model.rigid);
     if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
     model.max_step = c.time.max_step;
-    model.bulk_viscosity = {c.fem.bulk_viscosity_linear, c.fem.bulk_viscosity_quadratic};
     model.supports = make_supports(c.fem, model.mesh);
     if (c.info.dimension == 2) {
         check_slab(model.mesh, c.info.thickness);
@@ -256,7 +257,10 @@ Model build_model(const Case& c, Mesh mesh) {
     model.damping = c.fem.damping_alpha;
     model.cfl = c.fem.cfl;
     model.implicit_damping = c.fem.implicit_damping;
+    model.damping_beta = c.fem.damping_beta;
     check_implicit_parts(c, model);
+    // last: contact and dashpots at the edge are of the material as it is
+    model.mass_scaling = scale_masses(c, model.mesh, model.parts, model.bulk_viscosity);
     return model;
 }
 

@@ -12,6 +12,8 @@
 #include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
+#include "fem_solver/setup/mass_scaling.hpp"
+#include "fem_solver/setup/point_masses.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
 #include "fem_solver/section_force.hpp"
 
@@ -56,10 +58,13 @@ struct Model {
     std::vector<SectionForce> sections;  // of [[fem.history]], in its order
     std::vector<RigidSet> rigid;       // their elements are in no part
     std::vector<ContactSet> contacts;  // inside the mesh
+    std::vector<PointMass> point_masses;
+    std::vector<ScaledPart> mass_scaling;  // of every part, empty when none was asked for
     double coupled_share = 0;  // of the stability budget that the coupler takes at coupled nodes
     double max_step = std::numeric_limits<double>::infinity();  // [s] the case's own limit
     Vec3 gravity{};      // [m/s2]
     double damping = 0;  // [1/s] Rayleigh alpha
+    double damping_beta = 0;  // [s] Rayleigh beta
     double cfl = 0.9;    // lambda of Eq. 13
     double implicit_damping = 0;  // of implicit parts: c/dt, see fem_solver/implicit
 };

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fem_solver/elements/hexahedron.hpp"
+#include "fem_solver/setup/element_volume.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
 
@@ -10,25 +10,6 @@ namespace undertow::fem {
 namespace {
 
 const char* const freedom[6] = {"x", "y", "z", "rx", "ry", "rz"};
-
-double volume_of(const Mesh& mesh, std::int32_t element) {
-    const std::span<const std::int32_t> corners = mesh.corners(element);
-    if (mesh.shape_of(element) == ElementShape::tetrahedron) {
-        double e[3][3];
-        for (int k = 0; k < 3; ++k)
-            for (int d = 0; d < 3; ++d) e[k][d] = mesh.x[corners[k + 1]][d] - mesh.x[corners[0]][d];
-        double c[3];
-        cross(e[1], e[2], c);
-        return dot(e[0], c) / 6;
-    }
-    double x[3][8];
-    for (int corner = 0; corner < 8; ++corner)
-        for (int d = 0; d < 3; ++d) x[d][corner] = mesh.x[corners[corner]][d];
-    const Modes<double> modes[3] = {to_modes(x[0]), to_modes(x[1]), to_modes(x[2])};
-    double C[6][3], D;
-    mean_gradient(modes, C, D);
-    return D / 64;
-}
 
 const FemMaterial& material_of(const FemSettings& fem, std::size_t part) {
     return *std::find_if(fem.material.begin(), fem.material.end(),
@@ -45,7 +26,7 @@ void weigh(const Case& c, const Mesh& mesh, const std::vector<int>& part_of, Rig
             throw InputError("fem.rigid \"" + set.name + "\": " + mesh.element_name(e) +
                              " has no volume; a rigid body is made of solid elements.");
         const std::span<const std::int32_t> corners = mesh.corners(e);
-        const double volume = volume_of(mesh, e), share = double(corners.size());
+        const double volume = element_volume(mesh, e, 0), share = double(corners.size());
         const double weight = material.weight_density.value_or(material.density) * volume;
         set.weight_mass += weight;
         for (std::int32_t n : corners) {

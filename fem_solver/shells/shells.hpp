@@ -23,6 +23,10 @@ class Shells final : public ElementGroup {
     void add_nodal_weight_masses(std::vector<double>& mass) const override;
     void set_stress(std::int32_t element, const Symmetric<double>& stress) override;
     double omega2_start() const override { return omega2_start_; }
+    void write_omega2(std::span<double> omega2) const override {
+        batches_.for_each_element(
+            [&](std::size_t e, std::size_t b, int l) { omega2[e] = omega2_[b][l]; });
+    }
 
     ElementsReport step(Nodes& nodes, double dt, int threads) override;
     void subtract_tangent_forces(const NodeRows& x, const NodeRows& u, NodeRows& f) const override;

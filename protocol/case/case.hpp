@@ -293,12 +293,19 @@ struct FemPart {                         // [[fem.part]]
     double thickness = 0;                // [m] of "shell"
     bool implicit = false;               // linearly implicit: does not limit the step; for stiff parts
                                          // that stay elastic (docs/theory_fem.md, section 14)
+    double mass_factor = 1;              // inertia over the material's, >= 1; its weight stays
 };
 
 struct FemSupport {                      // [[fem.support]]
     std::string set;                     // node, facet or volume set
     std::vector<std::string> fix;        // of "x", "y", "z"; nodes of shells also "rx",
                                          // "ry", "rz", and "clamp" for all six
+};
+
+struct FemMass {                         // [[fem.mass]] on nodes, with inertia and weight
+    std::string set;                     // node, facet or volume set, whose nodes share it, or
+    Vec3 point{};                        // [m] the node nearest to it in the undeformed mesh
+    double mass = 0;                     // [kg]
 };
 
 struct FemPressure {                     // [[fem.pressure]] follows the deforming facets
@@ -407,10 +414,14 @@ struct FemHistory {                      // [[fem.history]]
 
 struct FemSettings {
     bool present = false;
-    std::string mesh;                    // path of a Gmsh .msh (4.1, 2.2), relative to the case file
+    std::string mesh;                    // path of a Gmsh .msh (4.1, 2.2) or an Abaqus
+                                         // .inp, relative to the case file
     std::optional<FemBlock> block;
     double cfl = 0.9;                    // lambda of Eq. 13
     double damping_alpha = 0;            // [1/s] Rayleigh, mass-proportional
+    double damping_beta = 0;             // [s] Rayleigh, stiffness-proportional; shortens the step
+    std::optional<double> mass_scaling{};  // [s] elements that allow less than this step get heavier
+                                         // until they do; their weight stays
     double bulk_viscosity_linear = 0.06;
     double bulk_viscosity_quadratic = 1.2;
     double implicit_damping = 0.005;     // of implicit parts: damping ratio of a mode over half of
@@ -418,6 +429,7 @@ struct FemSettings {
     std::vector<FemMaterial> material;
     std::vector<FemPart> part;
     std::vector<FemSupport> support;
+    std::vector<FemMass> mass;
     std::vector<FemPressure> pressure;
     std::vector<FemTraction> traction;
     std::vector<FemSurface> surface;

@@ -244,7 +244,7 @@ void to_json(Json& j, const FemMaterial& v) {
 }
 void to_json(Json& j, const FemPart& v) {
     j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},
-         {"thickness", v.thickness}, {"implicit", v.implicit}};
+         {"thickness", v.thickness}, {"implicit", v.implicit}, {"mass_factor", v.mass_factor}};
 }
 void to_json(Json& j, const FemSupport& v) {
     j = {{"set", v.set}, {"fix", v.fix}};
@@ -294,6 +294,9 @@ void to_json(Json& j, const FemMotion& v) {
     if (v.angle) j["angle"] = v.angle->text();
     if (v.angle || !v.motion.empty()) j["axis"] = v.axis, j["center"] = v.center;
 }
+void to_json(Json& j, const FemMass& v) {
+    j = {{"set", v.set}, {"point", v.point}, {"mass", v.mass}};
+}
 void to_json(Json& j, const FemProbe& v) {
     j = {{"name", v.name}, {"point", v.point}};
 }
@@ -311,12 +314,15 @@ void to_json(Json& j, const FemSettings& v) {
          {"block", v.block ? Json(*v.block) : Json(nullptr)},
          {"cfl", v.cfl},
          {"damping_alpha", v.damping_alpha},
+         {"damping_beta", v.damping_beta},
+         {"mass_scaling", v.mass_scaling ? Json(*v.mass_scaling) : Json(nullptr)},
          {"bulk_viscosity_linear", v.bulk_viscosity_linear},
          {"bulk_viscosity_quadratic", v.bulk_viscosity_quadratic},
          {"implicit_damping", v.implicit_damping},
          {"material", v.material},
          {"part", v.part},
          {"support", v.support},
+         {"mass", v.mass},
          {"pressure", v.pressure},
          {"traction", v.traction},
          {"surface", v.surface},

@@ -243,6 +243,10 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
     reader.require("part", "at least one [[fem.part]]");
     reader.number("cfl", fem.cfl, above_up_to(0, 1));
     reader.number("damping_alpha", fem.damping_alpha, at_least(0, "1/s"));
+    reader.number("damping_beta", fem.damping_beta, at_least(0, "s"));
+    double step = 0;
+    reader.number("mass_scaling", step, positive("s"));
+    if (reader.has("mass_scaling")) fem.mass_scaling = step;
     reader.number("bulk_viscosity_linear", fem.bulk_viscosity_linear, at_least(0));
     reader.number("bulk_viscosity_quadratic", fem.bulk_viscosity_quadratic, at_least(0));
     reader.number("implicit_damping", fem.implicit_damping, closed(0, 1));
@@ -271,6 +275,8 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
                              (fem.block->cells == BlockCells::shells))
             entry.reject("element", "does not fit the block: \"shell\" goes with [fem.block] cells = "
                                     "\"shells\", every other element with solid cells.");
+        Range factor = at_least(1);
+        entry.number("mass_factor", part.mass_factor, factor);
         entry.flag("implicit", part.implicit);
         for (const FemMaterial& material : fem.material)
             if (part.implicit && material.name == part.material &&
@@ -289,6 +295,19 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
         entry.require("fix", "a list of \"x\", \"y\", \"z\", and of shells \"rx\", \"ry\", \"rz\", "
                              "\"clamp\"");
         entry.words("fix", support.fix, {"x", "y", "z", "rx", "ry", "rz", "clamp"});
+    });
+    reader.tables("mass", [&](TableReader& entry) {
+        FemMass& mass = fem.mass.emplace_back();
+        entry.require("mass", "the mass in kg");
+        entry.number("mass", mass.mass, positive("kg"));
+        entry.vector("point", mass.point, "m");
+        if (!entry.has("point")) {
+            read_set(entry, mass.set, fem, block_sets);
+        } else {
+            entry.text("set", mass.set);
+            if (entry.has("set"))
+                entry.reject("set", "is one place too many: give set or point, not both.");
+        }
     });
     reader.tables("pressure", [&](TableReader& entry) {
         FemPressure& pressure = fem.pressure.emplace_back();
