@@ -94,9 +94,17 @@ void HistoryFiles::write(double t, const Structure& structure) {
         if (file.times.due(t)) write_row(file, t, structure);
 }
 
+bool HistoryFiles::section_due(double t) const {
+    return std::any_of(file_.begin(), file_.end(), [&](const File& file) {
+        return file.what.kind == FemHistoryKind::section && file.times.is_due(t);
+    });
+}
+
 void HistoryFiles::write_last(double t, const Structure& structure) {
     for (File& file : file_) {
-        if (file.last != t) write_row(file, t, structure);
+        const bool known =
+            file.what.kind != FemHistoryKind::section || structure.sections_are_measured();
+        if (file.last != t && known) write_row(file, t, structure);
         file.history.flush();
     }
 }

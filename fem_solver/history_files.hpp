@@ -17,9 +17,11 @@ class HistoryFiles {
     HistoryFiles(const std::string& folder, const Case& c, const Structure& structure,
                  FileStart start = FileStart::fresh);
 
+    /// Whether a row of a section is due at t: those are measured among the elements' forces.
+    bool section_due(double t) const;
     /// Rows that are due at t; after the kick, when forces at n are complete.
     void write(double t, const Structure& structure);
-    /// The last rows, due or not.
+    /// The last rows, due or not; of sections only if they were measured at t.
     void write_last(double t, const Structure& structure);
     void archive(Archive& a, double t);  // t [s]: now
 

@@ -34,6 +34,7 @@ bool Solver::step_to_the_end() {
                          resumed_ ? structure_.offered() : structure_.stable_step(),
                          stop_requested());
         if (!resumed_) {
+            structure_.measure_sections(output_.section_due(t_) || t_ >= t_end_ * (1 - 1e-12));
             structure_.internal_forces();  // while the coupler computes contact
             structure_.pressure_forces(t_);
             structure_.check_health(n_, t_);

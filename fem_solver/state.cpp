@@ -96,6 +96,11 @@ void PrescribedMotion::archive(Archive& a) {
     a("ahead", ahead_);
 }
 
+void StiffnessDamping::archive(Archive& a) {
+    a.flat<double>("force", f_);
+    a("dissipated", dissipated_);
+}
+
 void SectionForce::archive(Archive& a) {
     a("force", force_.force);
     a("moment", force_.moment);
@@ -164,7 +169,9 @@ void Structure::archive(Archive& a) {
         a.object("motions/" + std::to_string(k), model_.motions[k]);
     for (std::size_t k = 0; k < model_.sections.size(); ++k)
         a.object("sections/" + std::to_string(k), model_.sections[k]);
+    a.object("stiffness_damping", stiffness_damping_);
     a("motions_rest", motions_rest_);
+    a("measure_sections", measure_sections_);
     a("t", t_);
     a("dt", dt_);
     a("kick_span", kick_span_);

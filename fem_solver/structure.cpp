@@ -156,8 +156,9 @@ void Structure::find_frequency() {
 void Structure::internal_forces() {
     report_ = elements_.step(nodes_, dt_, threads_);
     if (!stiffness_damping_.empty()) stiffness_damping_.add_forces(elements_, nodes_);
-    for (SectionForce& section : model_.sections)
-        section.measure(nodes_.x, nodes_.f, elements_.turning_nodes());
+    if (measure_sections_)
+        for (SectionForce& section : model_.sections)
+            section.measure(nodes_.x, nodes_.f, elements_.turning_nodes());
     strain_work_ += report_.strain_work;
     hourglass_work_ += report_.hourglass_work;
     viscous_work_ += report_.viscous_work;

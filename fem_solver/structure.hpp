@@ -65,6 +65,10 @@ class Structure {
     /// At rest in the mesh's shape. `threads` for meshes large enough to gain from them.
     Structure(Model model, int threads);
 
+    /// Whether internal_forces() takes the forces in sections, from now on; it does at first.
+    void measure_sections(bool yes) { measure_sections_ = yes; }
+    bool sections_are_measured() const { return measure_sections_; }
+
     // One step, in this order:
     void internal_forces();  // stress, forces and contact inside the mesh in the shape x^n
     void pressure_forces(double t);
@@ -165,6 +169,7 @@ class Structure {
 
     double t_ = 0;          // [s] of n, as pressure_forces() was told
     bool motions_rest_ = false;
+    bool measure_sections_ = true;
     double dt_ = 0;         // [s] of the last step; 0 at the start
     double kick_span_ = 0;  // [s] of the last kick
     ElementsReport report_;

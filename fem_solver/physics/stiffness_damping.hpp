@@ -22,6 +22,7 @@ class StiffnessDamping {
     void do_work(const Elements& elements, const Nodes& nodes, double half_step);
     double dissipated() const { return dissipated_; }  // [J]
     void reset_work() { dissipated_ = 0; }
+    void archive(Archive& a);
 
  private:
     double beta_ = 0;        // [s]

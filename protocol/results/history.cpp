@@ -93,9 +93,16 @@ int History::write_rows() noexcept {
 
 HistoryTimes::HistoryTimes(double every, double t_end) : every_(every > 0 ? every : t_end / 2000) {}
 
+namespace {
+constexpr double round_off = 1e-12;
+}  // namespace
+
+bool HistoryTimes::is_due(double t) const {
+    return t >= double(next_) * every_ * (1 - round_off);
+}
+
 bool HistoryTimes::due(double t) {
-    constexpr double round_off = 1e-12;
-    if (t < double(next_) * every_ * (1 - round_off)) return false;
+    if (!is_due(t)) return false;
     next_ = std::int64_t(std::floor(t / every_ * (1 + round_off))) + 1;
     return true;
 }

@@ -47,6 +47,7 @@ class HistoryTimes {
 
     /// Asked once per step, with rising t [s]; true when the step deserves a row.
     bool due(double t);
+    bool is_due(double t) const;  // the same, and it stays due
     void archive(Archive& a, double t);  // t [s]: now
 
  private:

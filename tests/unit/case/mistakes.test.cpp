@@ -139,7 +139,7 @@ const Mistake mistakes[] = {
     {"[fem.block]", "[fem]\nmass_scaling = 0\n[fem.block]",
      "case.toml:18:16: fem.mass_scaling = 0 is not allowed: it must be > 0 s"},
     {"[[fem.surface]]", "[[fem.mass]]\nset = \"xmax\"\n[[fem.surface]]",
-     "fem.mass.0 = {...} lacks mass: the mass in kg"},
+     "[fem.mass.0] has no mass: give the mass in kg"},
     {"[[fem.surface]]",
      "[[fem.mass]]\nset = \"xmax\"\npoint = [0, 0, 0]\nmass = 1\n[[fem.surface]]",
      "fem.mass.0.set = \"xmax\" is one place too many"},

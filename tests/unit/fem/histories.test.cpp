@@ -6,9 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "fem_solver/output.hpp"
 #include "support.hpp"
+#include "two_solids.hpp"
 #include "wire/errors.hpp"
 
 namespace undertow::fem {
@@ -123,6 +125,108 @@ TEST_CASE("histories are files of their own with what was asked for") {
                Catch::Contains("9 nodes of \"xmin\"") && Catch::Contains("rz [N]"));
     CHECK_THAT(read("fem.history.cut.csv"),
                Catch::Contains("through 9 shared nodes") && Catch::Contains("my [N m]"));
+    std::filesystem::remove_all(folder);
+}
+
+/// Columns of the rows of a history file.
+std::vector<std::vector<double>> rows_of(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::vector<std::vector<double>> rows;
+    for (std::string line; std::getline(in, line);) {
+        if (line.empty() || (!std::isdigit(static_cast<unsigned char>(line[0])))) continue;
+        std::vector<double>& row = rows.emplace_back();
+        std::istringstream fields(line);
+        for (std::string field; std::getline(fields, field, ',');)
+            row.push_back(std::stod(field));
+    }
+    return rows;
+}
+
+TEST_CASE("a contact's history is its normal force, its friction and how many nodes touch and slip") {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("undertow-sole-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder);
+    Case c = two_solids(1e7, 2000);
+    Mesh mesh;
+    add_block(mesh, "floor", {{-2, -1, -0.2}, {2, 1, -0.01}}, {2, 1, 1});
+    add_block(mesh, "block", {{-0.2, -0.2, 0}, {0.2, 0.2, 0.2}}, {2, 2, 1});
+    c.fem.part = {{"floor", "steel"}, {"block", "soil"}};
+    c.fem.rigid = {{"floor", "floor", {}, 0, {}}};
+    c.fem.contact = {{"sole", "block.zmin", "floor.zmax", 0.3, 0, 0.01}};
+    FemHistory sole;
+    sole.name = "sole";
+    sole.kind = FemHistoryKind::contact;
+    sole.contact = "sole";
+    c.fem.history = {sole};
+    c.info.gravity = {0, 0, -10};
+    c.time.end = 1;
+    Structure s(build_model(c, mesh), 1);
+    settle(s, {1e-6, 20000});
+    for (std::size_t n = 0; n < s.nodes().size(); ++n)  // slides as a whole
+        if (s.nodes().inverse_mass[n].c[0] > 0) s.nodes().v[n].c[0] = 1;
+    {
+        Output output(folder.string(), c, s);
+        const double dt = 0.5 * s.stable_step().dt;
+        for (int n = 0; n < 20; ++n) {
+            s.internal_forces();
+            s.kick(dt);
+            output.history(n * dt, s);
+            s.drift(dt);
+        }
+        output.last_history(20 * dt, s);
+    }
+    const auto rows = rows_of(folder / "fem.history.sole.csv");
+    REQUIRE(rows.size() >= 2);
+    REQUIRE(rows.back().size() == 10);  // t, normal, f, t, touching, slipping
+    const std::vector<double>& row = rows.back();
+    const double weight = 2000 * 0.4 * 0.4 * 0.2 * 10;
+    CHECK(row[1] == Approx(weight).epsilon(0.02));
+    CHECK(row[4] == Approx(weight).epsilon(0.02));  // of the floor on the block, upward
+    CHECK(row[2] == Approx(-0.3 * row[1]).epsilon(1e-6));
+    CHECK(row[5] == Approx(row[2]).epsilon(1e-9));  // friction is all there is along x
+    CHECK(row[8] == 9);
+    CHECK(row[9] == 1);
+    std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("sections are measured only when a row is due, and those rows are the same") {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("undertow-due-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder);
+    BlockCase block{{1, 0.2, 0.2}, {10, 2, 2}};
+    Case c = block.settings();
+    c.time.end = 1;
+    c.fem.support = {{"xmin", {"x", "y", "z"}}};
+    c.fem.traction = {{"xmax", {0, 0, -1e3}, 0}};
+    c.fem.history = {section({0.5, 0.1, 0.1}, Vec3{1, 0, 0})};
+    c.fem.history[0].every = 0.01;
+    std::vector<std::vector<double>> rows[2];
+    int measured = 0;
+    for (const bool always : {true, false}) {
+        Structure s(build_model(c), 1);
+        {
+            Output output(folder.string(), c, s);
+            const double dt = 2e-5;
+            for (int n = 0; n < 1200; ++n) {
+                const double t = n * dt;
+                s.measure_sections(always || output.section_due(t));
+                measured += s.sections_are_measured() && !always;
+                s.internal_forces();
+                s.pressure_forces(t);
+                s.kick(dt);
+                output.history(t, s);
+                s.drift(dt);
+            }
+            s.measure_sections(always);
+            output.last_history(1200 * dt, s);
+        }
+        rows[always] = rows_of(folder / "fem.history.cut.csv");
+    }
+    CHECK(measured == 3);
+    REQUIRE(rows[0].size() == 3);
+    REQUIRE(rows[1].size() == 4);  // the last one was not measured when nothing was due
+    for (int r = 0; r < 3; ++r) CHECK(rows[0][r] == rows[1][r]);
+    CHECK(rows[0][2][3] != 0);
     std::filesystem::remove_all(folder);
 }
 
