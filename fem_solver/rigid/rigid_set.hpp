@@ -15,6 +15,7 @@ struct RigidSet {
     std::vector<std::int32_t> elements;  // of the mesh
     std::vector<std::int32_t> nodes;     // of the mesh, increasing; of no deformable element
     std::vector<double> mass;            // [kg] of `nodes`, lumped
+    std::vector<double> shell_mass;      // [kg] of the first of them, of its shells alone
     std::array<bool, 6> free{};          // x, y, z, rx, ry, rz; axes of space, through the center
     std::array<bool, 3> driven{};        // x, y, z of the center that a [[fem.motion]] tells; not free
     bool turn_driven = false;            // and its turning

@@ -82,7 +82,7 @@ int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vect
 }
 
 ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
-                            const std::vector<RigidSet>& bodies,
+                            const std::vector<RigidSet>& bodies, const RigidShellFaces& faces,
                             const std::vector<int>& body_of_node,
                             const std::vector<double>& modulus) {
     const std::string name = "fem.contact \"" + contact.name + "\"";
@@ -91,7 +91,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     set.friction = contact.friction;
     set.max_shear = contact.max_shear;
     set.gap = contact.gap;
-    set.surface = mesh.facets_of(contact.surface, "fem.contact surface");
+    set.surface = faces.facets_of(mesh, contact.surface, "fem.contact surface");
     const std::vector<Quad>& facets = mesh.facets_of(contact.nodes, "fem.contact nodes");
     if (set.surface.empty() || facets.empty())
         throw InputError(name + ": the facet set \"" +
@@ -132,8 +132,9 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     for (const Quad& q : set.surface)
         if (shells.count(sorted_facet(q)) > 0)
                 throw InputError(name + ": surface = \"" + contact.surface +
-                                 "\" is of shells; contact inside the mesh is between faces of "
-                                 "solids and rigid bodies, so mesh that part with hexahedra.");
+                                 "\" is of shells that deform; contact inside the mesh is between faces "
+                                 "of solids and rigid bodies: make the shells a [[fem.rigid]], or "
+                                 "mesh that part with hexahedra.");
     for (const Quad& q : set.surface)
         for (std::int32_t n : q)
             if (std::binary_search(set.nodes.begin(), set.nodes.end(), n))
@@ -147,7 +148,8 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
 }  // namespace
 
 std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
-                                          const std::vector<RigidSet>& bodies) {
+                                          const std::vector<RigidSet>& bodies,
+                                          const RigidShellFaces& faces) {
     std::vector<ContactSet> sets;
     if (c.fem.contact.empty()) return sets;
     std::vector<int> body_of_node(mesh.x.size(), -1);
@@ -155,7 +157,7 @@ std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
         for (std::int32_t n : bodies[b].nodes) body_of_node[n] = int(b);
     const std::vector<double> modulus = moduli_of(c.fem, mesh);
     for (const FemContact& contact : c.fem.contact)
-        sets.push_back(make_contact_set(contact, mesh, bodies, body_of_node, modulus));
+        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, modulus));
     return sets;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fem_solver/setup/model.hpp"
+#include "fem_solver/setup/rigid_shell_faces.hpp"
 
 namespace undertow::fem {
 
@@ -12,6 +13,7 @@ namespace undertow::fem {
 /// free of them, or the two sets share a node, or the
 /// surface has triangles.
 std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
-                                          const std::vector<RigidSet>& bodies);
+                                          const std::vector<RigidSet>& bodies,
+                                          const RigidShellFaces& faces);
 
 }  // namespace undertow::fem

@@ -30,7 +30,8 @@ using FaceNode = std::tuple<std::int32_t, int, std::int32_t>;  // node, side, su
 }  // namespace
 
 CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
-                                    const std::vector<Part>& parts) {
+                                    const std::vector<Part>& parts,
+                                    const RigidShellFaces& faces) {
     CoupledSurface surface;
     const std::map<Quad, double> shells = shell_thicknesses(mesh, parts);
     std::vector<std::array<FaceNode, 4>> corners;
@@ -38,7 +39,7 @@ CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
     for (const FemSurface& s : c.fem.surface) {
         const std::int32_t number = std::int32_t(surface.names.size());
         std::size_t of_shells = 0;
-        const std::vector<Quad>& facets = mesh.facets_of(s.set, "fem.surface");
+        const std::vector<Quad>& facets = faces.facets_of(mesh, s.set, "fem.surface");
         for (const Quad& q : facets) {
             const auto shell = shells.find(sorted_facet(q));
             of_shells += shell != shells.end();

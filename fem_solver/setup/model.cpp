@@ -14,6 +14,7 @@
 #include "fem_solver/setup/implicit_check.hpp"
 #include "fem_solver/setup/motions.hpp"
 #include "fem_solver/setup/rigid_sets.hpp"
+#include "fem_solver/setup/rigid_shell_faces.hpp"
 #include "fem_solver/setup/sheet_mesh.hpp"
 #include "wire/errors.hpp"
 
@@ -219,8 +220,9 @@ Model build_model(const Case& c, Mesh mesh) {
     model.rigid = take_rigid_sets(c, model.mesh, model.parts);
     model.bulk_viscosity = {c.fem.bulk_viscosity_linear, c.fem.bulk_viscosity_quadratic};
     model.point_masses = make_point_masses(c, model.mesh, model.rigid);
+    const RigidShellFaces faces(c, model.mesh, model.rigid);
     model.motions = make_motions(c, model.mesh, model.rigid);
-    model.contacts = make_contact_sets(c, model.mesh, model.rigid);
+    model.contacts = make_contact_sets(c, model.mesh, model.rigid, faces);
     if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
     model.max_step = c.time.max_step;
     model.supports = make_supports(c.fem, model.mesh);
@@ -240,7 +242,7 @@ Model build_model(const Case& c, Mesh mesh) {
     for (const FemTraction& t : c.fem.traction)
         model.tractions.emplace_back(model.mesh.facets_of(t.set, "fem.traction"), model.mesh.x,
                                      t.value, t.ramp);
-    model.surface = make_coupled_surface(c, model.mesh, model.parts);
+    model.surface = make_coupled_surface(c, model.mesh, model.parts, faces);
     model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
     model.far_field = make_far_field(c.fem, model.mesh, model.parts);
     model.water = make_static_water(c, model.mesh);

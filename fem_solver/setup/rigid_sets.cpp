@@ -18,26 +18,29 @@ const FemMaterial& material_of(const FemSettings& fem, std::size_t part) {
 
 /// Masses of the body's nodes and what weighs on it.
 void weigh(const Case& c, const Mesh& mesh, const std::vector<int>& part_of, RigidSet& set) {
-    std::vector<double> mass(mesh.x.size(), 0.0);
+    std::vector<double> mass(mesh.x.size(), 0.0), of_shells(mesh.x.size(), 0.0);
     Vec3 moment{};
     for (std::int32_t e : set.elements) {
         const FemMaterial& material = material_of(c.fem, std::size_t(part_of[e]));
-        if (mesh.shape_of(e) == ElementShape::shell)
-            throw InputError("fem.rigid \"" + set.name + "\": " + mesh.element_name(e) +
-                             " has no volume; a rigid body is made of solid elements.");
         const std::span<const std::int32_t> corners = mesh.corners(e);
-        const double volume = element_volume(mesh, e, 0), share = double(corners.size());
+        const double thickness = c.fem.part[std::size_t(part_of[e])].thickness;
+        const double volume = element_volume(mesh, e, thickness), share = double(corners.size());
         const double weight = material.weight_density.value_or(material.density) * volume;
         set.weight_mass += weight;
         for (std::int32_t n : corners) {
             mass[n] += material.density * volume / share;
+            if (mesh.shape_of(e) == ElementShape::shell)
+                of_shells[n] += material.density * volume / share;
             set.nodes.push_back(n);
             for (int d = 0; d < 3; ++d) moment[d] += weight / share * mesh.x[n][d];
         }
     }
     std::sort(set.nodes.begin(), set.nodes.end());
     set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
-    for (std::int32_t n : set.nodes) set.mass.push_back(mass[n]);
+    for (std::int32_t n : set.nodes) {
+        set.mass.push_back(mass[n]);
+        set.shell_mass.push_back(of_shells[n]);
+    }
     if (set.weight_mass != 0)
         for (int d = 0; d < 3; ++d) set.weight_center[d] = moment[d] / set.weight_mass;
 }
