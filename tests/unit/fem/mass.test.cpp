@@ -27,7 +27,7 @@ TEST_CASE("a bar with its own mass on its end swings at the frequency of x tan x
     block.poisson_ratio = 0;
     Case c = block.settings();
     c.fem.support = {{"xmin", {"x", "y", "z"}}};
-    c.fem.mass = {{.set = "xmax", .mass = block.density * 0.02}};
+    c.fem.mass = {{.set = "xmax", .point = {}, .mass = block.density * 0.02}};
     Structure structure(build_model(c), 1);
     CHECK(inertia_of(structure) == Approx(40).epsilon(1e-13));
     // the first mode, sin(x s/L), at its largest speed
@@ -36,9 +36,12 @@ TEST_CASE("a bar with its own mass on its end swings at the frequency of x tan x
         structure.nodes().v[n].c[0] = 1e-3 * std::sin(x * structure.nodes().x[n].c[0] / 2);
     const std::int32_t end = nearest_node(structure.model().mesh, {2, 0, 0});
     const double dt = 0.5 * structure.stable_step().dt;
-    double before = 0, last = 0;
+    double before = 0, last = 0, started = 0;
+    Energies e;
     int crossings = 0;
     march(structure, dt, 20000, [&](int n) {
+        e = structure.energies();
+        if (n == 1) started = e.balance_error();  // all that moved then
         const double u = structure.displacement(end)[0];
         if (before > 0 && u <= 0 && ++crossings) last = (n - u / (u - before)) * dt;
         before = u;
@@ -47,8 +50,7 @@ TEST_CASE("a bar with its own mass on its end swings at the frequency of x tan x
     const double omega = 2 * std::acos(-1.0) * (crossings - 0.5) / last;
     INFO(crossings << " periods");
     CHECK(omega == Approx(x * c0 / 2).epsilon(3e-4));  // 40 elements: (x/80)^2/6 and the lumped end
-    const Energies e = structure.energies();
-    CHECK(std::abs(e.balance_error()) < 1e-9 * (e.kinetic + e.internal));
+    CHECK(std::abs(e.balance_error() - started) < 1e-6 * (e.kinetic + e.internal));
 }
 
 TEST_CASE("point masses weigh, and lengthen the step of a light element") {
@@ -56,16 +58,21 @@ TEST_CASE("point masses weigh, and lengthen the step of a light element") {
     Case c = block.settings();
     c.info.gravity = {0, 0, -10};
     const double alone = Structure(build_model(c), 1).stable_step().dt;
-    c.fem.mass = {{.set = "block", .mass = 3000}};
+    c.fem.mass = {{.set = "block", .point = {}, .mass = 3000}};
     Structure structure(build_model(c), 1);
-    CHECK(structure.stable_step().dt == Approx(2 * alone).epsilon(1e-6));
+    CHECK(structure.stable_step().dt == Approx(2 * alone).epsilon(0.011));  // 1 % for Lanczos
     CHECK(weight_of(structure) == Approx(4000));
-    march(structure, structure.stable_step().dt, 10);  // falls free, as anything does
-    const double t = 10 * structure.stable_step().dt;
-    CHECK(structure.energies().external == Approx(4000 * 10 * 0.5 * 10 * t * t).epsilon(0.06));
-    CHECK(std::abs(structure.energies().balance_error()) < 1e-9 * structure.energies().external);
+    const double dt = structure.stable_step().dt;
+    double started = 0;
+    Energies e;
+    march(structure, dt, 100, [&](int n) {  // falls free, as anything does
+        e = structure.energies();           // in the end at 99 dt
+        if (n == 1) started = e.balance_error();
+    });
+    CHECK(e.external == Approx(4000 * 10 * 0.5 * 10 * std::pow(99 * dt, 2)).epsilon(1e-9));
+    CHECK(std::abs(e.balance_error() - started) < 1e-9 * e.external);
 
-    c.fem.mass = {{.point = {1, 1, 1}, .mass = 5}};
+    c.fem.mass = {{.set = {}, .point = {1, 1, 1}, .mass = 5}};
     CHECK(inertia_of(Structure(build_model(c), 1)) == Approx(1005));
     c.fem.rigid = {{.name = "stone", .set = "block"}};
     CHECK_THROWS_WITH(build_model(c), Catch::Contains("fem.mass at (1, 1, 1) m") &&
@@ -84,7 +91,7 @@ Mesh with_a_thin_layer(const BlockCase& block) {
 double sag_at_rest(const Case& c, const Mesh& mesh, double& step) {
     Structure structure(build_model(c, mesh), 1);
     step = structure.stable_step().dt;
-    march(structure, step, int(0.5 / step));
+    march(structure, step, int(0.25 / step));
     return structure.displacement(nearest_node(mesh, {0.5, 0.5, 4}))[2];
 }
 
@@ -92,18 +99,20 @@ TEST_CASE("mass scaling brings the step that was asked for and leaves weight and
     const BlockCells cells = GENERATE(BlockCells::hexahedra, BlockCells::tetrahedra);
     BlockCase block{{0.5, 0.5, 4}, {1, 1, 8}};
     block.cells = cells;
-    block.young_modulus = 1e6;
+    block.young_modulus = 1e8;  // strains of 4e-4: what is left of the path is below 1e-6
     Case c = block.settings();
     c.info.gravity = {0, 0, -10};
     c.fem.support = {{"zmin", {"x", "y", "z"}}};
-    c.fem.damping_alpha = 25;  // twice the first frequency
+    c.fem.damping_alpha = 250;  // twice the first frequency
     const Mesh mesh = with_a_thin_layer(block);
     double plain_step = 0, scaled_step = 0;
     const double plain = sag_at_rest(c, mesh, plain_step);
-    c.fem.mass_scaling = 4 * plain_step;
+    const Structure unscaled(build_model(c, mesh), 1);
+    const double wanted = 2 * 2 * c.fem.cfl / unscaled.omega_bound();  // twice what elements allow
+    c.fem.mass_scaling = wanted;
     const double scaled = sag_at_rest(c, mesh, scaled_step);
-    CHECK(scaled_step >= 4 * plain_step);
-    CHECK(scaled_step < 8 * plain_step);
+    CHECK(scaled_step >= wanted);
+    CHECK(scaled_step > 1.1 * plain_step);  // neighbors had softened the thin layer before
     CHECK(scaled == Approx(plain).epsilon(1e-5));
 
     const Structure structure(build_model(c, mesh), 1);

@@ -81,13 +81,18 @@ TEST_CASE("a rigid box of shells falls and turns as its mass and its moment of i
     const double turning = m * 9.81 * off / about_y;
     const double dt = 1e-4;
     const int steps = 1000;
-    march(s, dt, steps);
+    Energies e;
+    double started = 0;
+    march(s, dt, steps, [&](int n) {
+        e = s.energies();
+        if (n == 1) started = e.balance_error();
+    });
     const double time = steps * dt;
     CHECK(body.displacement()[2] ==
           Approx(-0.5 * 9.81 * m / total * time * time).epsilon(2e-3));  // half kick at the start
     const double angle = 0.5 * turning * time * time;  // about -y: the light side falls
     CHECK(body.rotation()[1] == Approx(-angle).epsilon(0.01));
-    CHECK(std::abs(s.energies().balance_error()) < 1e-6 * s.energies().kinetic);
+    CHECK(std::abs(e.balance_error() - started) < 1e-6 * e.kinetic);
     if (!coupled) return;
 
     const CoupledSurface& surface = s.model().surface;
