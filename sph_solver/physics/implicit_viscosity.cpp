@@ -81,8 +81,8 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
         });
     };
     double left2 = unbalanced();
-    const double enough2 =
-        std::max(tolerance_ * tolerance_ * scale2, float_digits * float_digits * left2);
+    const double asked2 = tolerance_ * tolerance_ * scale2;
+    const double enough2 = std::max(asked2, float_digits * float_digits * left2);
     rz = sum_over_particles(n, precondition);
     int iteration = 0;
     double beta = 0;
@@ -111,9 +111,9 @@ void ImplicitViscosity::solve(const PairPhysics& physics, const Neighborhood& ne
     ++figures_.steps;
     figures_.iterations += iteration;
     figures_.most_iterations = std::max(figures_.most_iterations, iteration);
-    if (left2 > enough2) {
+    if (left2 > asked2) {
         ++figures_.not_converged;
-        figures_.worst_residual = std::max(figures_.worst_residual, std::sqrt(left2 / enough2));
+        figures_.worst_residual = std::max(figures_.worst_residual, std::sqrt(left2 / asked2));
     }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) {

@@ -25,7 +25,8 @@ namespace undertow::sph {
 struct ImplicitFigures {
     std::int64_t steps = 0, iterations = 0;
     int most_iterations = 0;
-    std::int64_t not_converged = 0;  // steps that reached the limit of iterations: warned of
+    std::int64_t not_converged = 0;  // steps that left more than the tolerance, at the limit of
+                                     // iterations or of what float32 knows: warned of
     double worst_residual = 0;       // of those: over the tolerance
 };
 
