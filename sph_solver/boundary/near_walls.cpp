@@ -11,6 +11,7 @@ namespace undertow::sph {
 namespace {
 
 constexpr double shear_range = 1.5;  // [dx] where the weight of add_stress ends
+constexpr int share_size = 1024;        // entries of rubbing_
 constexpr int asked_at_once = 1 << 15;  // particles: all are asked at the first rebuild
 
 }  // namespace
@@ -74,12 +75,14 @@ void NearWalls::find(const Particles& particles, const MirrorPlanes& mirror, con
     rubbing_.clear();
     near_.clear();
     const double range = shear_range * widest_ + skin;
-    for (int k = 0; k < mirror.size(); ++k) {
-        if (mirror.plane(k).slip == Slip::free_slip) continue;
-        for (std::size_t i = 0; i < particles.size(); ++i)
+    rough_.clear();
+    for (int k = 0; k < mirror.size(); ++k)
+        if (mirror.plane(k).slip != Slip::free_slip) rough_.push_back(k);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+        for (const int k : rough_)
             if (mirror.distance(k, particles.x[i], particles.y[i], particles.z[i]) < range)
                 rubbing_.push_back({static_cast<int>(i), k, {}, {}});
-    }
+    const int planes = static_cast<int>(rubbing_.size());
     for (const Candidate& c : candidates_) {
         const RigidBody& b = bodies.body[c.body];
         const int i = index[c.id];
@@ -91,6 +94,18 @@ void NearWalls::find(const Particles& particles, const MirrorPlanes& mirror, con
         if (b.body().slip != Slip::free_slip && c.from.distance < range)
             rubbing_.push_back(near_.back());
     }
+    // shares of a fixed size, so that sums over them do not depend on the number of threads; those
+    // of planes do not part the entries of one particle
+    share_.assign(1, 0);
+    for (int next = share_size; next < planes; next += share_size) {
+        while (next < planes && rubbing_[next].particle == rubbing_[next - 1].particle) ++next;
+        if (next < planes) share_.push_back(next);
+    }
+    if (planes > 0) share_.push_back(planes);
+    plane_shares_ = static_cast<int>(share_.size()) - 1;
+    const int all = static_cast<int>(rubbing_.size());
+    for (int next = planes + share_size; next < all; next += share_size) share_.push_back(next);
+    if (all > planes) share_.push_back(all);
 }
 
 void NearWalls::reflect(const Particles& s, const Bodies& bodies,
@@ -127,7 +142,31 @@ NearWalls::Place NearWalls::place(const Rubbing& r, const MirrorPlanes& mirror,
 void NearWalls::add_stress(const PairPhysics& physics, const MirrorPlanes& mirror,
                            const Bodies& bodies, Particles& particles) {
     std::fill(stress_.begin(), stress_.end(), Vec3{});
-    for (const Rubbing& r : rubbing_) {
+    const int shares = static_cast<int>(share_.size()) - 1, walls = static_cast<int>(stress_.size());
+    if (shares < 1) return;
+    share_stress_.assign(std::size_t(shares) * walls, Vec3{});
+#pragma omp parallel
+    {
+        // first planes, then bodies: in between a particle may go to another thread
+#pragma omp for schedule(static)
+        for (int k = 0; k < plane_shares_; ++k)
+            add_stress(physics, mirror, bodies, particles, share_[k], share_[k + 1],
+                       &share_stress_[std::size_t(k) * walls]);
+#pragma omp for schedule(static)
+        for (int k = plane_shares_; k < shares; ++k)
+            add_stress(physics, mirror, bodies, particles, share_[k], share_[k + 1],
+                       &share_stress_[std::size_t(k) * walls]);
+    }
+    for (int k = 0; k < shares; ++k)
+        for (int w = 0; w < walls; ++w)
+            stress_[w] = stress_[w] + share_stress_[std::size_t(k) * walls + w];
+}
+
+void NearWalls::add_stress(const PairPhysics& physics, const MirrorPlanes& mirror,
+                           const Bodies& bodies, Particles& particles, int first, int last,
+                           Vec3* forces) const {
+    for (int k = first; k < last; ++k) {
+        const Rubbing& r = rubbing_[k];
         const int i = r.particle;
         const Slip slip = r.wall < mirror.size() ? mirror.plane(r.wall).slip
                                                  : bodies.body[r.wall - mirror.size()].body().slip;
@@ -152,7 +191,7 @@ void NearWalls::add_stress(const PairPhysics& physics, const MirrorPlanes& mirro
         particles.ax.add(i, -deceleration * ux);
         particles.ay.add(i, -deceleration * uy);
         particles.az.add(i, -deceleration * uz);
-        Vec3& force = force_on(r, particles, stress_);
+        Vec3& force = force_on(r, particles, forces);
         force = force + fluid.mass * deceleration * Vec3{ux, uy, uz};
     }
 }
@@ -187,7 +226,7 @@ void NearWalls::add_coulomb(const PairPhysics& physics, const Vec3& gravity,
         s.ax.add(i, a[0]);
         s.ay.add(i, a[1]);
         s.az.add(i, a[2]);
-        Vec3& force = force_on(r, s, coulomb_);
+        Vec3& force = force_on(r, s, coulomb_.data());
         force = force - fluid.mass * a;
     }
 }

@@ -79,14 +79,22 @@ class NearWalls {
     };
     Place place(const Rubbing& r, const MirrorPlanes& mirror, const Bodies& bodies,
                 const Particles& particles) const;
-    Vec3& force_on(const Rubbing& r, const Particles& particles, std::vector<Vec3>& forces) const {
+    /// add_stress for entries first to last - 1 of rubbing_. force: on the walls [N], as stress_.
+    void add_stress(const PairPhysics& physics, const MirrorPlanes& mirror, const Bodies& bodies,
+                    Particles& particles, int first, int last, Vec3* force) const;
+    Vec3& force_on(const Rubbing& r, const Particles& particles, Vec3* forces) const {
         return forces[r.wall * fluids_ + particles.fluid[r.particle]];
     }
 
     double widest_;  // [m]
     int planes_, fluids_;
     std::vector<Vec3> stress_, coulomb_;  // [N], [walls, fluids]
-    std::vector<Rubbing> rubbing_;        // beside rough walls
+    std::vector<Rubbing> rubbing_;        // beside rough walls: planes in the order of particles,
+                                          // then bodies, of which a particle has one at most
+    std::vector<int> share_;              // of rubbing_: where each begins, and the end
+    int plane_shares_ = 0;
+    std::vector<int> rough_;              // planes that are not of free slip
+    std::vector<Vec3> share_stress_;      // [N], [shares, walls, fluids]
     std::vector<Rubbing> near_;           // within the kernel's range of a body
     std::vector<Candidate> candidates_;
     std::vector<double> safe_until_;  // `travelled` of the next question [m], by identity
