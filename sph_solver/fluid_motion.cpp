@@ -58,6 +58,7 @@ template <class Real>
 Health FluidSystem::kick_and_drift_in(double dt, double dt_before, double dt_before_that,
                                       bool extrapolate) {
     const double kick = 0.5 * (dt + dt_before);
+    neighbors_.moved();
     shear_rate_age_ += dt;
     // D^n belongs to t^{n-1/2} (it sees v^{n-1/2}); the step needs it at t^{n+1/2}.
     const double w = dt_before + dt_before_that > 0 && dt_before > 0

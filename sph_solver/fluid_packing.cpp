@@ -27,27 +27,30 @@ void FluidSystem::pack(double t) {
     pack_extras(true);
 }
 
-/// To be called by all threads of a parallel region: each packs its share.
+/// To be called by all threads of a parallel region: each packs its share. Between a sum of rates and
+/// that of forces only densities have changed.
 void FluidSystem::pack_fluid() {
     Packed* records = neighbors_.records().data();
     Particles& s = particles;
     // Spray bears no tension: it has torn. Its density comes along, or it would thin without end.
     const bool tears = physics_.tension_control != TensionControl::none && !neighbors_.depth().empty();
     const Depth* depth = tears ? neighbors_.depth().data() : nullptr;
-    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth](
+    const bool moved = !neighbors_.marked().known();
+    const auto pack_one = [&s, records, fixed = neighbors_.fixed(), tag = tag_, depth, moved](
                               int i, const FluidLaw& fluid, double mass) {
         s.p[i] = fluid.pressure(s.drho[i], s.energy[i]);
         if (depth && s.p[i] < 0 && depth[i] == Depth::loose)
             s.p[i] = 0, s.drho[i] = std::max(0.0, s.drho[i]);
         Packed& q = records[i];
+        q.volume = tag(mass / (fluid.rho0 + s.drho[i]), s.fluid[i]);
+        q.p = static_cast<float>(s.p[i]);
+        if (!moved) return;
         q.x = fixed(s.x[i], fixed.x0);
         q.y = fixed(s.y[i], fixed.y0);
         q.z = fixed(s.z[i], fixed.z0);
-        q.volume = tag(mass / (fluid.rho0 + s.drho[i]), s.fluid[i]);
         q.vx = static_cast<float>(s.vx[i]);
         q.vy = static_cast<float>(s.vy[i]);
         q.vz = static_cast<float>(s.vz[i]);
-        q.p = static_cast<float>(s.p[i]);
     };
     const int n = static_cast<int>(s.size());
     if (physics_.fluids.size() == 1) {

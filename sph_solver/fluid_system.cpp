@@ -151,6 +151,7 @@ bool FluidSystem::lists_hold() {
 
 bool FluidSystem::refresh_neighbors(double t) {
     ++list_age_;
+    neighbors_.moved();
     put_back_behind_planes();
     if (lists_hold()) return false;
     packed_ = false;
@@ -199,9 +200,18 @@ void FluidSystem::find_near_planes() {
 
 void FluidSystem::put_back_behind_planes() {
     Particles& s = particles;
-    for (const NearPlane& near : near_planes_) {
+    const auto behind = [&](const NearPlane& near) {
         const int i = near.particle;
-        if (mirror_.distance(near.plane, s.x[i], s.y[i], s.z[i]) >= 0) continue;
+        return mirror_.distance(near.plane, s.x[i], s.y[i], s.z[i]) < 0;
+    };
+    const int n = static_cast<int>(near_planes_.size());
+    int any = 0;
+#pragma omp parallel for schedule(static) reduction(| : any)
+    for (int k = 0; k < n; ++k) any |= behind(near_planes_[k]);
+    if (!any) return;
+    for (const NearPlane& near : near_planes_) {   // in a corner one is near several
+        const int i = near.particle;
+        if (!behind(near)) continue;
         mirror_.put_back(s.x[i], s.y[i], s.z[i], s.vx[i], s.vy[i], s.vz[i]);
         ++put_back_;
     }

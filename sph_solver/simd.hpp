@@ -82,6 +82,28 @@ inline double8 negative_part(double8 a) {
 }
 #endif
 
+/// NaN is not zero.
+inline bool any_nonzero(float8 a) {
+#if defined(__AVX512VL__)
+    return _mm256_cmp_ps_mask((__m256)a, _mm256_setzero_ps(), _CMP_NEQ_UQ) != 0;
+#elif defined(__AVX__)
+    return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, _mm256_setzero_ps(), _CMP_NEQ_UQ)) != 0;
+#else
+    bool any = false;
+    for (int k = 0; k < lanes; ++k) any |= a[k] != 0;
+    return any;
+#endif
+}
+inline bool any_nonzero(double8 a) {
+#if defined(__AVX512F__)
+    return _mm512_cmp_pd_mask((__m512d)a, _mm512_setzero_pd(), _CMP_NEQ_UQ) != 0;
+#else
+    bool any = false;
+    for (int k = 0; k < lanes; ++k) any |= a[k] != 0;
+    return any;
+#endif
+}
+
 /// 1/a to 14 bits where the processor has it: used in the artificial viscosity and in mean viscosities,
 /// where a relative error of 6e-5 is far below the term's own meaning.
 #if defined(__AVX512VL__)

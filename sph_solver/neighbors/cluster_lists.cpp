@@ -168,7 +168,7 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
                                        grid.level(own.hi[2] + up), cell0, cell1);
                             const int j0 = source.base + (*source.start)[cell0];
                             const int j1 = source.base + (*source.start)[cell1 + 1];
-                            if (list.size() < length + (j1 - j0) + 1)
+                            if (list.size() < length + (j1 - j0) + ahead)
                                 list.resize(2 * list.size() + (j1 - j0) + 1024);
                             const auto append = sized ? append_near<true> : append_near<false>;
                             length += append(own, x_.data(), y_.data(), z_.data(), reach_.data(),

@@ -29,6 +29,8 @@ class ClusterLists {
     int clusters() const { return static_cast<int>(begin_.size()); }
     const int* begin(int c) const { return begin_[c]; }
     const int* end(int c) const { return begin_[c] + count_[c]; }
+    /// Who walks a list may look so many entries ahead, past its end too: those are of no meaning.
+    static constexpr int ahead = 16;
     /// Sources of the second kind and after: the kinds come one after the other in each list.
     const int* second(int c) const { return begin_[c] + of_first_kind_[c]; }
     std::int64_t entries() const;

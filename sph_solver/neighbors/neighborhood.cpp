@@ -192,6 +192,7 @@ void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const Mir
     const double range = support_ + skin_;
     fluid_lists_.build(grid_, fixed_, records_, 0, fluid_count_,
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
+    marked_.lay_out(fluid_lists_);
 
     borders_.clear();
     for (int k = 0; k < mirror.size(); ++k)

@@ -9,6 +9,7 @@
 #include "sph_solver/boundary/bodies.hpp"
 #include "sph_solver/neighbors/cluster_lists.hpp"
 #include "sph_solver/neighbors/drift_watch.hpp"
+#include "sph_solver/neighbors/marked_entries.hpp"
 #include "sph_solver/neighbors/smoothing_lengths.hpp"
 #include "sph_solver/particles.hpp"
 
@@ -102,6 +103,11 @@ class Neighborhood {
     std::vector<float>& gradient_correction() { return gradient_correction_; }
     const std::vector<float>& gradient_correction() const { return gradient_correction_; }
     int first_extra() const { return fluid_count_; }
+    /// Entries of fluid_lists() within the support: a memory of the sums over neighbors, from a sum of
+    /// rates to the sum of forces at the same positions.
+    MarkedEntries& marked() const { return marked_; }
+    /// Fluid or bodies have moved, or will have when they are packed next.
+    void moved() { marked_.forget(); }
 
     /// The records' twins in double, packed next to them where `used`.
     ExactShown& exact() { return exact_; }
@@ -191,6 +197,7 @@ class Neighborhood {
     std::vector<std::uint8_t> scratch_byte_;
     std::vector<PlaneMask> masks_;
     ClusterLists fluid_lists_, body_lists_;
+    mutable MarkedEntries marked_;
     struct ClusterFluids {
         FluidBits held, met;
     };

@@ -2,6 +2,9 @@
 // The loops over clusters and their lists in the precision Real; pair_sums_float.cpp and
 // pair_sums_double.cpp each compile one.
 
+#include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 #include "sph_solver/kernels/kernels.hpp"
@@ -59,6 +62,36 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
+/// Calls add(j) for the entries of a cluster's list: for rates all, marking those for which it gives
+/// anything but zeros; for forces the marked ones. Records are fetched ahead of their use: those of
+/// 27,000 particles and their walls fill a core's cache, those of more do not fit.
+template <Terms terms, class AnyRecord, class Add>
+inline __attribute__((always_inline)) void walk(const Neighborhood& neighbors,
+                                                const AnyRecord* records, int cluster, Add&& add) {
+    const auto one = [&](const int* at) __attribute__((always_inline)) {
+        __builtin_prefetch(records + at[ClusterLists::ahead]);
+        return add(*at);
+    };
+    const int* at = neighbors.fluid_lists().begin(cluster);
+    const int* end = neighbors.fluid_lists().end(cluster);
+    if constexpr (terms == Terms::both) {
+        for (; at != end; ++at) one(at);
+        return;
+    }
+    std::uint64_t* word = neighbors.marked().of(cluster);
+    for (; at < end; at += MarkedEntries::bits, ++word) {
+        if constexpr (terms == Terms::rate) {
+            const auto n = std::min<std::ptrdiff_t>(MarkedEntries::bits, end - at);
+            std::uint64_t marks = 0;
+            for (int k = 0; k < n; ++k) marks |= std::uint64_t(any_nonzero(one(at + k))) << k;
+            *word = marks;
+        } else {
+            for (std::uint64_t marks = *word; marks; marks &= marks - 1)
+                one(at + std::countr_zero(marks));
+        }
+    }
+}
+
 template <class Real, class KernelLaw, Terms terms, Gradient gradient, ViscousForm form,
           Content content = Content::one_fluid>
 inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Real>& c,
@@ -68,7 +101,6 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Rea
     constexpr bool variable = variable_viscosity(content);
     const Record<Real>* records = neighbors.records_in<Real>().data();
     const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
-    const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
@@ -82,14 +114,13 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Rea
         correction = correction_of<Real>(neighbors, cluster);
     PairSums<Wide> sum;
     ShearSums<Wide> shear;
-    const int* end = lists.end(cluster);
-    for (const int* at = lists.begin(cluster); at != end; ++at) {
-        const Record<Real>& j = records[*at];
+    walk<terms>(neighbors, records, cluster, [&](int at) __attribute__((always_inline)) {
+        const Record<Real>& j = records[at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
-        add_pair<KernelLaw, terms, content, false, gradient, form>(
-            c, i.own, dx, dy, dz, j, sum, no_tables, variable ? root_mu[*at] : Real(0), &shear,
+        return add_pair<KernelLaw, terms, content, false, gradient, form>(
+            c, i.own, dx, dy, dz, j, sum, no_tables, variable ? root_mu[at] : Real(0), &shear,
             no_sizes, &correction);
-    }
+    });
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
             add_no_slip<KernelLaw, content, form>(c, i, no_slip, records, cluster, no_tables,
@@ -123,7 +154,6 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
     constexpr bool variable = variable_viscosity(content);
     const Record<Real>* records = neighbors.records_in<Real>().data();
     const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
-    const ClusterLists& lists = neighbors.fluid_lists();
     const int first = cluster * lanes, n = neighbors.fluid_count();
     Lanes<Real> i = load_cluster(records, first, n);
     if (terms != Terms::rate) switch_tension(physics, neighbors, first, i.own);
@@ -136,22 +166,21 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
         correction = correction_of<Real>(neighbors, cluster);
     PairSums<Wide> sum;
     ShearSums<Wide> shear;
-    const int* end = lists.end(cluster);
-    for (const int* at = lists.begin(cluster); at != end; ++at) {
-        const Record<Real>& j = records[*at];
+    walk<terms>(neighbors, records, cluster, [&](int at) __attribute__((always_inline)) {
+        const Record<Real>& j = records[at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const auto add = [&](const PairSize<Wide>* size) __attribute__((always_inline)) {
-            add_pair<KernelLaw, terms, content, sized, gradient, form>(
+            return add_pair<KernelLaw, terms, content, sized, gradient, form>(
                 mixture.constants, i.own, dx, dy, dz, j, sum, &m.with[FluidTag::of(j)],
-                variable ? root_mu[*at] : Real(0), &shear, size, &correction);
+                variable ? root_mu[at] : Real(0), &shear, size, &correction);
         };
         if constexpr (sized) {
-            const PairSize<Wide> size = own_size.with(*at);
-            add(&size);
+            const PairSize<Wide> size = own_size.with(at);
+            return add(&size);
         } else {
-            add(nullptr);
+            return add(nullptr);
         }
-    }
+    });
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
             add_no_slip<KernelLaw, content, form>(mixture.constants, i, no_slip, records, cluster,
@@ -159,6 +188,26 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
     store_results<terms>(m.factors, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
         take_shear_rate(physics, neighbors, mixture.gradient, shear, first, particles);
+}
+
+/// Of a cluster whose viscosities differ. c, k: of the only fluid it meets, if it is one.
+template <class Real, class KernelLaw, Terms terms, Gradient gradient, ViscousForm form>
+void sum_viscous_cluster(const PairPhysics& physics, Content content, const Mixture<Real>& mixture,
+                         const PairConstants<Real>& c, const Factors<Real>& k,
+                         const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
+                         Particles& particles) {
+    if (content == Content::one_viscoplastic)
+        sum_pure_cluster<Real, KernelLaw, terms, gradient, form, Content::one_viscoplastic>(
+            physics, c, k, neighbors, no_slip, cluster, particles);
+    else if (content == Content::one_sheared)
+        sum_pure_cluster<Real, KernelLaw, terms, gradient, form, Content::one_sheared>(
+            physics, c, k, neighbors, no_slip, cluster, particles);
+    else if (content == Content::viscoplastic)
+        sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::viscoplastic>(
+            physics, mixture, neighbors, no_slip, cluster, particles);
+    else
+        sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::sheared>(
+            physics, mixture, neighbors, no_slip, cluster, particles);
 }
 
 /// Each cluster by what it holds and meets: a cluster inside one Newtonian fluid runs as if there
@@ -202,30 +251,15 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
                     physics, c[f], k[f], neighbors, no_slip, cluster, particles);
                 break;
             }
-            case Content::one_viscoplastic: {
-                const int f = only_fluid(met);
-                sum_pure_cluster<Real, KernelLaw, terms, gradient, form, Content::one_viscoplastic>(
-                    physics, c[f], k[f], neighbors, no_slip, cluster, particles);
-                break;
-            }
-            case Content::one_sheared: {
-                const int f = only_fluid(met);
-                sum_pure_cluster<Real, KernelLaw, terms, gradient, form, Content::one_sheared>(
-                    physics, c[f], k[f], neighbors, no_slip, cluster, particles);
-                break;
-            }
             case Content::several:
                 sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::several>(
                     physics, mixture, neighbors, no_slip, cluster, particles);
                 break;
-            case Content::viscoplastic:
-                sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::viscoplastic>(
-                    physics, mixture, neighbors, no_slip, cluster, particles);
-                break;
-            case Content::sheared:
-                sum_mixed_cluster<Real, KernelLaw, terms, gradient, form, Content::sheared>(
-                    physics, mixture, neighbors, no_slip, cluster, particles);
-                break;
+            default:   // viscosities are of no concern to rates
+                if constexpr (terms != Terms::rate)
+                    sum_viscous_cluster<Real, KernelLaw, terms, gradient, form>(
+                        physics, content, mixture, c[only_fluid(met)], k[only_fluid(met)],
+                        neighbors, no_slip, cluster, particles);
         }
     }
 }
@@ -260,6 +294,7 @@ template <class Real>
 void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoSlipImages& no_slip,
             Terms terms, Particles& particles, ShearRate shear_rate) {
     constexpr auto laplacian = ViscousForm::laplacian, strain = ViscousForm::strain;
+    if (terms == Terms::force) neighbors.marked().need(neighbors.fluid_lists());
     const bool along_pairs = physics.explicit_form() == strain;
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {
         const auto sum = [&]<Terms which, ViscousForm form>() {
@@ -276,6 +311,8 @@ void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoS
         else
             sum.template operator()<Terms::force, laplacian>();
     });
+    // smoothing lengths that follow from density are others when forces are summed
+    if (terms == Terms::rate && !physics.variable_smoothing) neighbors.marked().found();
 }
 
 }  // namespace undertow::sph

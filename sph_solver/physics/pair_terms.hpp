@@ -165,27 +165,26 @@ inline Real mean_viscosity(Real same, Real a, Other b) {
 }
 
 /// with, root_mu_j and shear are not looked at unless `content` says so, size unless `sized`, correction
-/// unless `gradient` does.
+/// unless `gradient` does. Returns F/V: zero beyond the support.
 template <class KernelLaw, Terms terms, Content content = Content::one_fluid, bool sized = false,
           Gradient gradient = Gradient::plain, ViscousForm form = ViscousForm::laplacian, class Real,
           class Scalar, class Neighbor>
-inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>& c,
-                                                    const Own<Real>& i, Real dx, Real dy, Real dz,
-                                                    const Neighbor& j, PairSums<Real>& sum,
-                                                    const Meeting<Real>* with = nullptr,
-                                                    Scalar root_mu_j = 0,
-                                                    ShearSums<Real>* shear = nullptr,
-                                                    const PairSize<Real>* size = nullptr,
-                                                    const Symmetric<Real>* correction = nullptr) {
+inline __attribute__((always_inline)) Real add_pair(
+    const PairConstants<Scalar>& c, const Own<Real>& i, Real dx, Real dy, Real dz,
+    const Neighbor& j, PairSums<Real>& sum, const Meeting<Real>* with = nullptr,
+    Scalar root_mu_j = 0, ShearSums<Real>* shear = nullptr, const PairSize<Real>* size = nullptr,
+    const Symmetric<Real>* correction = nullptr) {
     constexpr bool rate = terms != Terms::force, force = terms != Terms::rate;
     constexpr bool mixed = !alone(content);
     const Real r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
-    Real F;
-    if constexpr (sized)
-        F = KernelLaw::gradient_factor(r2 * size->nearer2, c.inverse_h) *
-            (size->factor * with->border * Scalar(j.volume));
-    else
-        F = KernelLaw::gradient_factor(r2, c.inverse_h) * Scalar(j.volume);
+    Real per_volume, F;
+    if constexpr (sized) {
+        per_volume = KernelLaw::gradient_factor(r2 * size->nearer2, c.inverse_h);
+        F = per_volume * (size->factor * with->border * Scalar(j.volume));
+    } else {
+        per_volume = KernelLaw::gradient_factor(r2, c.inverse_h);
+        F = per_volume * Scalar(j.volume);
+    }
     const Real vx = i.vx - Scalar(j.vx), vy = i.vy - Scalar(j.vy), vz = i.vz - Scalar(j.vz);
     const Real approach = vx * dx + vy * dy + vz * dz;
     if constexpr (rate) {
@@ -258,6 +257,7 @@ inline __attribute__((always_inline)) void add_pair(const PairConstants<Scalar>&
             shear->yy += dy * Fy, shear->yz += dy * Fz, shear->zz += dz * Fz;
         }
     }
+    return per_volume;
 }
 
 }  // namespace undertow::sph
