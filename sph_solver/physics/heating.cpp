@@ -34,10 +34,11 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
             const Wide vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
             const Meeting<Wide>& with = m.with[mixed ? FluidTag::of(j) : 0];
             const Wide r2 = (dx * dx + mixture.constants.tiny) + dy * dy + dz * dz;
-            Wide F = Wide{} + j.volume, length = Wide{} + Real(1), nearer2 = length;
+            Wide F = Wide{} + j.volume, length = Wide{} + Real(1), nearer2 = length,
+                 border = length;
             if (sized) {
                 const PairSize<Wide> size = own_size.with(*at);
-                length = size.length, nearer2 = size.nearer2;
+                length = size.length, nearer2 = size.nearer2, border = with.border;
                 F *= size.factor *
                      KernelLaw::gradient_factor(r2 * size.nearer2, mixture.constants.inverse_h);
             } else {
@@ -45,7 +46,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
             }
             const Wide approach = vx * dx + vy * dy + vz * dz, closing = negative_part(approach);
             const Wide per_r2 = precise_reciprocal(r2);
-            shock += F * with.border * with.shock * length * (closing * closing) * per_r2;
+            shock += F * border * with.shock * length * (closing * closing) * per_r2;
             const Wide pair_mu =
                 variable ? mean_viscosity(with.same, i.own.root_mu, root_mu[*at]) : with.mu;
             if constexpr (form == ViscousForm::strain) {

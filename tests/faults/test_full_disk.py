@@ -38,7 +38,7 @@ class FullDisk(Case):
         self.fill("fem", ("coupler", "sph"), 1_000_000, "fem.vtkhdf")
 
     def test_histories_of_the_coupler(self):
-        self.fill("coupler", ("sph", "fem"), 20_000, "forces.csv")
+        self.fill("coupler", ("sph", "fem"), 20_000, "energy.interface.csv")
 
     def test_histories_of_a_solver(self):
         often = ("--set", "output.fields_every=100", "--set", "output.history_every=1e-6")

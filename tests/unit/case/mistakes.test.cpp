@@ -169,7 +169,7 @@ const Mistake mistakes[] = {
     {"name = \"plate\"", "name = \"plate\"\ndimension = 2",
      "case.toml:20:13: fem.block.divisions = [4, 4, 1] is not allowed: a 2D case has one element"},
     {"[coupling]", "[couplin]",
-     "case.toml:31:2: couplin = {...} is not a key of a case: allowed are case, time, start, output, sph, "
+     "case.toml:31:2: couplin = {...} is not a key of a case: allowed are case, time, start, output, checkpoint, sph, "
      "fem, coupling, backend, report; did you mean \"coupling\"?"},
     {"[case]", "[case", "case.toml:1:"},
 };
