@@ -46,7 +46,7 @@ class Sets(Restart):
                          [f"step_{step:09d}" for step in steps])
 
     def test_by_the_wall_clock(self):
-        run = self.new("structure.toml", *LONGER).go("--set", "checkpoint.every_wall=0.05",
+        run = self.new("structure.toml", *LONGER).go("--set", "checkpoint.every_wall=0.01",
                                                      "--set", "checkpoint.keep=100")
         self.assertGreater(len(run.sets()), 2)
 
