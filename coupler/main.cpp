@@ -12,8 +12,8 @@ int main(int argc, char** argv) {
          ProgramKind::coupler, [](ProgramOptions options) {
              const Case input = open_case(options, "coupler");
              if (input.checkpoint.present || !options.resume.empty())
-                 throw InputError(input.file + ": [checkpoint] and --resume work for fem_solver "
-                                  "alone in this version; leave them out.");
+                 throw InputError(input.file + ": [checkpoint] and --resume work for one "
+                                  "solver alone in this version; leave them out.");
              const coupler::CouplerOptions own{
                  options.folder,
                  {options.endpoint, options.keys, options.record ? options.folder : ""},

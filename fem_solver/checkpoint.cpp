@@ -30,7 +30,7 @@ WrittenFile Solver::write_checkpoint(const std::string& id) {
     log_info("checkpoint " + id + " at t = " + number_text(t_) +
              " s: " + number_text(double(file.bytes) / 1e6, 3) + " MB in " +
              number_text(wall_clock() - start, 3) + " s");
-    figures_.count_checkpoint(file.bytes, wall_clock() - start);
+    figures_.checkpoints.count(file.bytes, wall_clock() - start);
     return file;
 }
 

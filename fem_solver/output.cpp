@@ -231,11 +231,7 @@ void Output::summary(const RunFigures& run, const Structure& structure) const {
     s.set("dt_critical_elements", 2 / structure.omega_bound());
     s.set("dt_critical", 2 / structure.omega_start());
     s.set("frequency_searches", std::int64_t(structure.frequency_searches()));
-    if (run.checkpoints > 0) {
-        s.set("checkpoint.written", run.checkpoints);
-        s.set("checkpoint.mb", run.checkpoint_mb);
-        s.set("checkpoint.s_each", run.checkpoint_s / double(run.checkpoints));
-    }
+    run.checkpoints.add_to(s);
     s.set("energy_balance_error", peak_energy_ > 0 ? worst_balance_ / peak_energy_ : 0.0);
     s.set("max_displacement", peak_displacement_);
     if (const ImplicitParts* implicit = structure.implicit()) {

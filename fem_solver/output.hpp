@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "checkpoint/checkpoint_figures.hpp"
 #include "fem_solver/history_files.hpp"
 #include "fem_solver/settle.hpp"
 #include "fem_solver/structure.hpp"
@@ -26,14 +27,8 @@ struct RunFigures {
     std::string limiter;        // of the last step that was not cut short for an output
     bool complete = false;      // reached the end of the run
 
-    std::int64_t checkpoints = 0;
-    double checkpoint_mb = 0, checkpoint_s = 0;  // of the last one [MB], of all [s]
+    CheckpointFigures checkpoints;
 
-    void count_checkpoint(std::int64_t bytes, double seconds) {
-        ++checkpoints;
-        checkpoint_mb = double(bytes) / 1e6;
-        checkpoint_s += seconds;
-    }
     void archive(Archive& a);
 };
 

@@ -241,8 +241,7 @@ void RunFigures::archive(Archive& a) {
     a("wall", wall);
     a("wait", wait);
     a("limiter", limiter);
-    a("checkpoints", checkpoints);
-    a("checkpoint_s", checkpoint_s);
+    a.object("checkpoints", checkpoints);
 }
 
 }  // namespace undertow::fem

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "case/time_step.hpp"
+#include "checkpoint/own_checkpoints.hpp"
 #include "results/log.hpp"
 #include "results/stop_signal.hpp"
 #include "wire/participant.hpp"
@@ -17,8 +18,10 @@ namespace {
 /// Nobody at the other end: the solver agrees with itself.
 class LonelyLink : public Link {
  public:
-    explicit LonelyLink(const Case& input)
-        : agreement_(input.time, input.output.fields_every), end_(input.time.end) {}
+    LonelyLink(const Case& input, const std::string& folder)
+        : agreement_(input.time, input.output.fields_every),
+          checkpoints_(input, folder, "sph"),
+          end_(input.time.end) {}
 
     void offer(const StepState& state, const FluidSystem&) override { state_ = state; }
 
@@ -26,6 +29,12 @@ class LonelyLink : public Link {
         StepOrder order;
         order.interrupted = stop_requested();
         order.finished = last_ || order.interrupted || state_.t >= end_;
+        // the step is agreed after its checkpoint, which must not know it
+        if (kept_ != state_.n &&
+            checkpoints_.due(state_.n, state_.t, order.finished, order.interrupted)) {
+            order.checkpoint = checkpoint_id(state_.n);
+            return order;
+        }
         if (order.finished) return order;
         const AgreedStep step = agreement_.agree(state_.t, {{state_.dt_limit, state_.limiter}});
         order.dt = step.dt, order.t1 = step.t1;
@@ -35,10 +44,17 @@ class LonelyLink : public Link {
         return order;
     }
 
+    void confirm(const WrittenFile& file) override {
+        checkpoints_.complete(state_.n, state_.t, file);
+        kept_ = state_.n;
+    }
+    void archive(Archive& a) override { a.object("agreement", agreement_); }
     void report_error(const std::string&, const std::string&) noexcept override {}
 
  private:
     StepAgreement agreement_;
+    OwnCheckpoints checkpoints_;
+    std::int64_t kept_ = -1;  // step of the last checkpoint
     double end_;
     StepState state_{};
     bool last_ = false;
@@ -51,7 +67,7 @@ class CoupledLink : public Link {
         : participant_({.endpoint = endpoint,
                         .name = "sph",
                         .role = "particles",
-                        .capabilities = {},
+                        .capabilities = {"checkpoint"},
                         .software = "undertow sph_solver " UNDERTOW_VERSION,
                         .join_timeout = input.coupling.join_timeout,
                         .curve = keys,
@@ -82,6 +98,12 @@ class CoupledLink : public Link {
     StepOrder wait(FluidSystem& fluid) override {
         participant_.wait_reply(reply_);
         wire::StepReply& reply = reply_;
+        if (reply.checkpoint) {
+            asked_ = reply.checkpoint->n;
+            StepOrder order;
+            order.checkpoint = reply.checkpoint->id;
+            return order;
+        }
         if (reply.surface) {
             surface_ = std::move(*reply.surface);
             boxes_ = surface_->boxes;
@@ -104,6 +126,25 @@ class CoupledLink : public Link {
         order.output = force.flags & wire::force_output;
         order.limiter = force.limiter;
         return order;
+    }
+
+    void confirm(const WrittenFile& file) override {
+        wire::CheckpointAck ack;
+        ack.n = asked_;
+        ack.file = file.name;
+        ack.sha256 = file.sha;
+        participant_.send(std::move(ack));
+    }
+
+    /// The surface that the coupler shows first is not news for a fluid that is resumed.
+    void archive(Archive& a) override {
+        a("boxes", boxes_);
+        a("probe", probe_);
+        a("candidates", candidates_);
+        a("active", active_);
+        a.flat<double>("last_x", last_x_);
+        a("travelled_at_probe", travelled_at_probe_);
+        if (a.reading()) surface_.reset();
     }
 
     void report_error(const std::string& code, const std::string& text) noexcept override {
@@ -206,6 +247,7 @@ class CoupledLink : public Link {
     bool probe_ = true;
     wire::State state_;
     wire::StepReply reply_;
+    std::int64_t asked_ = 0;                 // step of the checkpoint that is being written
     std::vector<std::int64_t> candidates_;   // identities in the order of the last PROBE
     std::vector<std::int64_t> active_;       // identities in the order of STATE and FORCE
     std::vector<Vec3> last_x_;               // [m] last seen positions of the active ones
@@ -214,8 +256,8 @@ class CoupledLink : public Link {
 
 }  // namespace
 
-std::unique_ptr<Link> make_lonely_link(const Case& input) {
-    return std::make_unique<LonelyLink>(input);
+std::unique_ptr<Link> make_lonely_link(const Case& input, const std::string& folder) {
+    return std::make_unique<LonelyLink>(input, folder);
 }
 
 std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint,

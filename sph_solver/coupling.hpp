@@ -6,6 +6,7 @@
 #include <string>
 
 #include "case/case.hpp"
+#include "checkpoint/archive_file.hpp"
 #include "sph_solver/fluid_system.hpp"
 
 namespace undertow::sph {
@@ -26,6 +27,7 @@ struct StepOrder {
     bool finished = false;     // no step to take: the run is over
     bool interrupted = false;
     std::string limiter;
+    std::string checkpoint;    // not empty: write the state under this name, then wait again
 };
 
 class Link {
@@ -35,11 +37,14 @@ class Link {
     virtual void offer(const StepState& state, const FluidSystem& fluid) = 0;
     /// Waits for the agreed step; contact accelerations are in fluid.particles.fx, fy, fz then.
     virtual StepOrder wait(FluidSystem& fluid) = 0;
+    /// The checkpoint of the last order is on the disk.
+    virtual void confirm(const WrittenFile& file) = 0;
+    virtual void archive(Archive& a) = 0;
     virtual void report_error(const std::string& code, const std::string& text) noexcept = 0;
     virtual double waited() const { return 0; }   // [s]
 };
 
-std::unique_ptr<Link> make_lonely_link(const Case& input);
+std::unique_ptr<Link> make_lonely_link(const Case& input, const std::string& folder);
 /// keys: a folder, see wire/curve_keys.hpp; empty = none.
 std::unique_ptr<Link> make_coupled_link(const Case& input, const std::string& endpoint,
                                         const std::string& keys = {});

@@ -80,6 +80,9 @@ class FluidSystem {
     /// with extrapolate: rho^{n+1} = rho^n + dt (D^n + w (D^n - D^{n-1})), w from the step sizes.
     Health kick_and_drift(double dt, double dt_before, double dt_before_that, bool extrapolate);
 
+    /// All that steps change: after forces were summed and before the step is known.
+    void archive(Archive& a);
+
     // ---- of the start
     /// Accelerations at rest under a pressure of 1 Pa everywhere: -2/rho sum V grad W.   [m/s2]
     void sum_under_even_pressure();

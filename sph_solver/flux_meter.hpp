@@ -7,6 +7,10 @@
 #include "case/case.hpp"
 #include "sph_solver/fluid_system.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 class FluxMeter {
@@ -19,6 +23,7 @@ class FluxMeter {
     void count(const FluidSystem& fluid);
     /// Net volume that went through since the first call [m3], exact to one particle.
     double total() const { return total_; }
+    void archive(Archive& a);
     /// Rate of flow now, the mean over h to each side: sum V v/(2h) of the particles there [m3/s].
     double rate(const FluidSystem& fluid) const;
 

@@ -28,7 +28,8 @@ std::vector<std::string> columns_of(const SphGauge& gauge) {
 
 }  // namespace
 
-GaugeFiles::GaugeFiles(const Case& input, const std::string& folder) : gauges_(input.sph.gauge) {
+GaugeFiles::GaugeFiles(const Case& input, const std::string& folder, FileStart start)
+    : gauges_(input.sph.gauge) {
     for (const PlaneWall& plane : input.sph.plane) walls_.push_back(plane.name);
     for (const Body& body : input.sph.body) walls_.push_back(body.name);
     std::map<double, std::vector<std::size_t>> by_interval;
@@ -53,7 +54,7 @@ GaugeFiles::GaugeFiles(const Case& input, const std::string& folder) : gauges_(i
                      "front: foremost particle with a neighbor + dx/2; level: sum V W = 1/2",
                      "flux: mean over h to each side; total: volume of those that went through",
                      "force: of all fluids on the wall, shear included"},
-                 columns)});
+                 columns, start)});
     }
 }
 

@@ -15,11 +15,12 @@ namespace undertow::sph {
 
 class GaugeFiles {
  public:
-    GaugeFiles(const Case& input, const std::string& folder);
+    GaugeFiles(const Case& input, const std::string& folder, FileStart start = FileStart::fresh);
 
     /// Writes the rows that are due at t; to be called every step.
     void observe(double t, const FluidSystem& fluid);
     void flush();
+    void archive(Archive& a, double t);  // t [s]: now
     /// Flux gauges with what went through them [m3].
     std::vector<std::pair<std::string, double>> totals() const;
 

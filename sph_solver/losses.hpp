@@ -8,6 +8,10 @@
 #include "results/summary.hpp"
 #include "sph_solver/fluid_system.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 /// Says in the log when a particle leaves sph.domain through a face for the first time, and when
@@ -15,6 +19,7 @@ namespace undertow::sph {
 class LossReport {
  public:
     void report(double t, const FluidSystem& fluid);
+    void archive(Archive& a);
 
  private:
     std::size_t seen_ = 0;  // of FluidSystem::removed()

@@ -13,10 +13,7 @@ int main(int argc, char** argv) {
              const Case input = open_case(options, "sph_solver");
              if (!input.sph.present)
                  throw InputError(input.file + ": the case has no [sph] table.");
-             if (input.checkpoint.present || !options.resume.empty())
-                 throw InputError(input.file + ": [checkpoint] and --resume work for fem_solver "
-                                  "alone in this version; leave them out.");
              return sph::run(input, {options.folder, options.endpoint, options.threads, options.quiet,
-                                     options.keys});
+                                     options.keys, options.resume});
          }});
 }

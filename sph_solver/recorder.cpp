@@ -42,16 +42,16 @@ void add_viscosity_figures(const ImplicitViscosity& viscosity, Summary& s) {
 
 }  // namespace
 
-Recorder::Recorder(const Case& input, const std::string& folder, bool alone)
+Recorder::Recorder(const Case& input, const std::string& folder, bool alone, FileStart start)
     : folder_(folder),
       alone_(alone),
       row_times_(input.output.history_every, input.time.end),
-      gauges_(input, folder),
-      fields_(folder + "/sph"),
+      gauges_(input, folder, start),
+      fields_(folder + "/sph", start),
       names_(names_of(input.sph.fluid)),
       energy_file_(folder + "/energy.sph.csv",
                    {"energies of the fluid", "elastic: sum V p^2/(2 rho0 c0^2); potential: 0 at t = 0"},
-                   with_time({"kinetic [J]", "potential [J]", "elastic [J]"})) {
+                   with_time({"kinetic [J]", "potential [J]", "elastic [J]"}), start) {
     for (const PlaneWall& plane : input.sph.plane) walls_.push_back(plane.name);
     for (const Body& body : input.sph.body) walls_.push_back(body.name);
     if (alone && !walls_.empty()) {
@@ -65,7 +65,7 @@ Recorder::Recorder(const Case& input, const std::string& folder, bool alone)
             std::vector<std::string>{"force of the fluid on each rigid plane and body, unfiltered",
                                      "impulse: integral of the force on a plane along its normal, on "
                                      "a body of its magnitude, trapezoidal over the rows"},
-            with_time(columns));
+            with_time(columns), start);
         impulse_.assign(walls_.size() * names_.size(), 0);
         last_force_.assign(impulse_.size(), 0);
         largest_force_.assign(walls_.size(), 0);
@@ -226,6 +226,7 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.wall_split_s.move", f.move);
     s.set("sph.wall_split_s.output", f.output);
     s.set("wait_s", f.contact_wait);
+    f.checkpoints.add_to(s);
     s.write(folder_ + "/summary.sph.json");
 }
 

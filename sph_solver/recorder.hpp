@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "case/case.hpp"
+#include "checkpoint/checkpoint_figures.hpp"
 #include "results/field_file.hpp"
 #include "results/history.hpp"
 #include "results/summary.hpp"
@@ -23,11 +24,15 @@ struct RunFigures {
     double particle_steps = 0;
     double dt_min = 1e300, dt_sum = 0;                 // [s]
     double max_compression = 0, max_speed = 0;         // [-], [m/s]
+    CheckpointFigures checkpoints;
+
+    void archive(Archive& a);
 };
 
 class Recorder {
  public:
-    Recorder(const Case& input, const std::string& folder, bool alone);
+    Recorder(const Case& input, const std::string& folder, bool alone,
+             FileStart start = FileStart::fresh);
 
     /// Gauges, forces and energies if one is due at t. The records must show the state at t.
     void observe(double t, const FluidSystem& fluid);
@@ -36,6 +41,7 @@ class Recorder {
     void write_summary(const RunFigures& figures, const FluidSystem& fluid, int threads,
                        const std::string& ended);
     void flush();
+    void archive(Archive& a, double t);  // t [s]: now
     /// Magnitude of the latest force on the walls [N]; < 0 before the first.
     double wall_force() const { return wall_force_; }
     double last_fields() const { return last_fields_; }   // time of those written last [s]; < 0: none

@@ -9,6 +9,7 @@
 #include "results/log.hpp"
 #include "results/progress.hpp"
 #include "results/wall_clock.hpp"
+#include "sph_solver/checkpoint.hpp"
 #include "sph_solver/coupling.hpp"
 #include "sph_solver/fluid_system.hpp"
 #include "sph_solver/physics/stable_step.hpp"
@@ -93,8 +94,10 @@ int run(const Case& input, const SolverOptions& options) {
     const double cfl = acoustic_cfl(input.sph);
     const double c0 = fluid.largest_sound_speed();
     std::unique_ptr<Link> link =
-        alone ? make_lonely_link(input) : make_coupled_link(input, options.endpoint, options.keys);
-    Recorder recorder(input, options.folder, alone);
+        alone ? make_lonely_link(input, options.folder)
+              : make_coupled_link(input, options.endpoint, options.keys);
+    Recorder recorder(input, options.folder, alone,
+                      options.resume.empty() ? FileStart::fresh : FileStart::continued);
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
                          fluid.particles.size(), fluid.spacing(), c0, threads));
@@ -133,8 +136,11 @@ int run(const Case& input, const SolverOptions& options) {
                              fluid.start().damping(), input.start.settle, fluid.start().end()));
 
     RunFigures figures;
-    const double start = wall_clock();
-    double t = 0, dt = 0, dt_before = 0;
+    double start = wall_clock();
+    LoopState loop;
+    std::int64_t& n = loop.n;
+    double &t = loop.t, &dt = loop.dt, &dt_before = loop.dt_before;
+    bool& two_pass = loop.two_pass;
     Health health = fluid.health();
     bool fields_due = true, density_due = false;
     StepOrder order;
@@ -152,42 +158,63 @@ int run(const Case& input, const SolverOptions& options) {
         recorder.write_summary(figures, fluid, threads, ended);
     };
 
-    try {
-        for (std::int64_t n = 0;; ++n) {
-            Stopwatch watch;
-            const StableStep stable =
-                stable_step({fluid.least_smoothing(), fluid.limiting_sound_speed(), health.max_speed, health.max_acceleration,
-                             health.max_kinematic_viscosity},
-                            cfl, input.sph.force_cfl);
-            check_floor(stable, t, input.time.min_step, fluid, c0, recorder.last_fields());
-            link->offer({n, t, stable.dt, std::string("sph: ") + stable.limiter, figures.particle_steps},
-                        fluid);
-            watch.lap(figures.contact_wait);
+    Checkpoints checkpoints(input, options.folder, loop, fluid, *link, recorder, figures);
+    bool summed = false;   // the forces of the step are there: those of the checkpoint
+    const auto offer = [&] {
+        link->offer({n, t, loop.dt_limit, loop.limiter, figures.particle_steps}, fluid);
+    };
 
-            fluid.refresh_neighbors(t);
-            watch.lap(figures.neighbors);
-            fluid.pack(t);
-            watch.lap(figures.pack);
-            if (density_due) {   // the step just taken left it to a pass of its own
-                fluid.sum_over_neighbors(Terms::rate);
-                fluid.advance_density(dt);
-                watch.lap(figures.sums);
+    try {
+        if (!options.resume.empty()) {
+            checkpoints.resume(options.resume);
+            start -= figures.wall;
+            summed = true;
+        }
+        for (;; ++n) {
+            Stopwatch watch;
+            if (summed) {
+                offer();
+            } else {
+                const StableStep stable =
+                    stable_step({fluid.least_smoothing(), fluid.limiting_sound_speed(), health.max_speed, health.max_acceleration,
+                                 health.max_kinematic_viscosity},
+                                cfl, input.sph.force_cfl);
+                check_floor(stable, t, input.time.min_step, fluid, c0, recorder.last_fields());
+                loop.dt_limit = stable.dt;
+                loop.limiter = std::string("sph: ") + stable.limiter;
+                offer();
+                watch.lap(figures.contact_wait);
+
+                fluid.refresh_neighbors(t);
+                watch.lap(figures.neighbors);
                 fluid.pack(t);
                 watch.lap(figures.pack);
-            }
-            const double one_pass_dt =
-                one_pass_cfl * fluid.least_smoothing() /
-                (fluid.limiting_sound_speed() + health.max_speed);
-            const bool two_pass = takes_two_passes(integrator, dt, one_pass_dt);
-            fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
-            fluid.add_wall_friction();
-            watch.lap(figures.sums);
+                if (density_due) {   // the step just taken left it to a pass of its own
+                    fluid.sum_over_neighbors(Terms::rate);
+                    fluid.advance_density(dt);
+                    watch.lap(figures.sums);
+                    fluid.pack(t);
+                    watch.lap(figures.pack);
+                }
+                const double one_pass_dt =
+                    one_pass_cfl * fluid.least_smoothing() /
+                    (fluid.limiting_sound_speed() + health.max_speed);
+                two_pass = takes_two_passes(integrator, dt, one_pass_dt);
+                fluid.sum_over_neighbors(two_pass ? Terms::force : Terms::both);
+                fluid.add_wall_friction();
+                watch.lap(figures.sums);
 
-            recorder.observe(t, fluid);
-            if (fields_due) recorder.write_fields(t, fluid);
-            watch.lap(figures.output);
+                recorder.observe(t, fluid);
+                if (fields_due) recorder.write_fields(t, fluid);
+                watch.lap(figures.output);
+            }
+            summed = false;
 
             order = link->wait(fluid);
+            while (!order.checkpoint.empty()) {
+                link->confirm(checkpoints.write(order.checkpoint, wall_clock() - start));
+                order = link->wait(fluid);
+            }
             watch.lap(figures.contact_wait);
             if (order.finished) break;
 

@@ -13,6 +13,7 @@ struct SolverOptions {
     int threads = 0;         // 0 = all
     bool quiet = false;
     std::string keys;        // folder of keys for a coupler on another host; empty = none
+    std::string resume;      // a set of checkpoints to go on from; empty = from the start
 };
 
 /// Runs the case to its end. Returns exit_done or exit_interrupted; throws InputError, PeerError,

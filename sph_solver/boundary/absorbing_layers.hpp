@@ -33,6 +33,7 @@ class AbsorbingLayers {
     AbsorbingLayers(const Case& input, const PairPhysics& physics);
 
     bool any() const { return !layers_.empty(); }
+    void archive(Archive& a);
     /// Finds the particles in the layers, after lists were rebuilt.
     void locate(const Particles& particles);
     /// Replaces accelerations, so that the kick of length `kick` [s] leads to damped velocities,

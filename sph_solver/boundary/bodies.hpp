@@ -12,6 +12,10 @@
 #include "sph_solver/boundary/rigid_motion.hpp"
 #include "sph_solver/shapes/solid.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 /// One [[sph.body]]: its shape and its motion.
@@ -59,6 +63,7 @@ struct Bodies {
     }
     int count() const { return static_cast<int>(body.size()); }
 
+    void archive(Archive& a);
     /// Moves all dummies to time t.
     void move_to(double t);
     /// A body that moves along a periodic axis comes in again on the other side, dummy by dummy.

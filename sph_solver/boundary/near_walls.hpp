@@ -21,6 +21,8 @@ class NearWalls {
           stress_(std::size_t(planes + bodies) * fluids, Vec3{}),
           coulomb_(stress_) {}
 
+    void archive(Archive& a);
+
     /// Before lists are rebuilt. A particle inside a body comes to its mirror place with its
     /// approach reversed. travelled: bound on how far any particle went relative to any body since
     /// the start [m], so that one far from all bodies is not asked again until it may have come

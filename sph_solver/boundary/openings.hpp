@@ -44,6 +44,7 @@ class Openings {
     Openings(const Case& input, const PairPhysics& physics);
 
     bool any() const { return !openings_.empty(); }
+    void archive(Archive& a);
     /// Fills the buffers: of an inflow on the lattice of its opening, of an outflow with the mirror
     /// image of the fluid before it. InputError: no place for it behind a plane or out of the
     /// domain.

@@ -41,6 +41,7 @@ class SurfaceImages {
         if (placed()) lift_.resize(n);
     }
     std::size_t expected() const { return expected_; }
+    void archive(Archive& a);
     /// Facets (F, 4), counter-clockwise seen from the fluid, a triangle repeats its third node;
     /// x (N, 3) [m] in the particles' coordinates.
     void place(std::vector<std::int32_t> quad, std::vector<double> x);

@@ -9,6 +9,10 @@
 #include "sph_solver/neighbors/column_grid.hpp"
 #include "sph_solver/particles.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 /// Where the sources of one kind stand: their records are sorted by cell from index `base` on.
@@ -34,6 +38,7 @@ class ClusterLists {
     /// Sources of the second kind and after: the kinds come one after the other in each list.
     const int* second(int c) const { return begin_[c] + of_first_kind_[c]; }
     std::int64_t entries() const;
+    void archive(Archive& a);
 
  private:
     std::vector<const int*> begin_;

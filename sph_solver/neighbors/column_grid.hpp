@@ -10,6 +10,10 @@
 #include <cstdint>
 #include <vector>
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 class ColumnGrid {
@@ -24,6 +28,7 @@ class ColumnGrid {
         along_y_ = ny_ < nx_;
     }
 
+    void archive(Archive& a);
     std::int64_t cells() const { return std::int64_t(nx_) * ny_ * nz_; }
     int columns_x() const { return nx_; }
     int columns_y() const { return ny_; }

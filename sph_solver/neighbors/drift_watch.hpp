@@ -16,6 +16,10 @@
 #include "case/case.hpp"
 #include "sph_solver/particles.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 class DriftWatch {
@@ -38,6 +42,7 @@ class DriftWatch {
     /// True if a pair within the support may be missing from the lists. The records are those of
     /// start() at later positions.
     bool worn(const std::vector<Packed>& records);
+    void archive(Archive& a);
 
  private:
     typedef std::int32_t int4
@@ -50,6 +55,7 @@ class DriftWatch {
         std::vector<int> next_first, next;  // CSR cell -> cells that touch it, itself included
         std::vector<Spread> all, fluid;     // [cells]
         int size() const { return static_cast<int>(all.size()); }
+        void archive(Archive& a);
     };
 
     static int4 load(const Packed& q);

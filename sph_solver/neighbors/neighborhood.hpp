@@ -59,6 +59,9 @@ class Neighborhood {
     /// as, for dummies of another size all fluids.
     void find_fluids(const Particles& particles, FluidBits dummies = 0);
 
+    /// What the last rebuild found, and how far it has been worn.
+    void archive(Archive& a);
+
     /// Whether a pair may be missing from the lists: surely not while nothing has moved by half the
     /// skin, surely where anything has moved farther than the lists look out for it; in between
     /// the records decide, which must show the present positions. reach: the most that fluid has

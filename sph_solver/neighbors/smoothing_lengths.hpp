@@ -15,6 +15,10 @@
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/fluid_law.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::sph {
 
 class Neighborhood;
@@ -34,6 +38,7 @@ class SmoothingLengths {
         for (const FluidLaw& f : fluids) h0_.push_back(f.h), rho0_.push_back(f.rho0);
     }
 
+    void archive(Archive& a);
     bool used() const { return used_; }
     bool variable() const { return variable_; }
     double of_dummies() const { return dummies_; }  // [m]

@@ -41,6 +41,7 @@ class ImplicitViscosity {
                const MirrorPlanes& mirror, const NoSlipImages& no_slip, const Bodies& bodies,
                double kick, const Vec3& gravity, std::size_t identities, Particles& particles);
 
+    void archive(Archive& a);
     const ImplicitFigures& figures() const { return figures_; }
     int most_iterations() const { return most_iterations_; }
 
