@@ -30,6 +30,10 @@
 #include "contact/points.hpp"
 #include "contact/surface.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::contact {
 
 struct DetectionRules {
@@ -81,6 +85,7 @@ class Detector {
     /// to do so within `longest_dt` [s] are not asked: a result above it says only that much.
     double detect(const Points& active, const Surface& surface, const CandidateList& candidates,
                   double longest_dt, std::vector<Contact>& contacts);
+    void archive(Archive& a);
 
  private:
     /// Of an active particle, when its candidates were last looked at closely.

@@ -23,6 +23,10 @@
 
 #include "contact/detection.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::contact {
 
 struct NormalDamping;
@@ -66,6 +70,8 @@ class ForceLaw {
     std::span<const double> on_nodes() const { return node_force_; }          // [N] (N, 3)
     /// Nodes of the facets in contact, each once: all others have no force.
     std::span<const std::int32_t> touched_nodes() const { return touched_; }
+    /// What is remembered from step to step.
+    void archive(Archive& a);
     double quantum() const { return quantum_; }  // [N]
     bool finite() const { return finite_; }      // no NaN, no overflow in this step
     /// [N] largest component of the sum of all forces of this step: exactly 0, or a defect.

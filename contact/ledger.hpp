@@ -27,6 +27,10 @@
 
 #include "contact/detection.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::contact {
 
 struct InterfaceEnergy {
@@ -78,6 +82,7 @@ class Ledger {
               const RowChanges& rows, const Surface& surface, const std::vector<Contact>& present);
 
     const InterfaceEnergy& energy() const { return energy_; }
+    void archive(Archive& a);
 
  private:
     void book_work(std::span<const double> v_particles, const RowChanges& rows,

@@ -20,6 +20,10 @@
 #include "contact/forces.hpp"
 #include "contact/ledger.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::contact {
 
 class PenaltyContact {
@@ -45,6 +49,9 @@ class PenaltyContact {
 
     void compute_forces(double dt);  // dt [s] of the step to be taken
     void settle();
+
+    /// Between settle() of a step and the update or rebuild of the next.
+    void archive(Archive& a);
 
     std::span<const double> on_particles() const { return law_.on_particles(); }  // [N] (A, 3)
     std::span<const double> on_nodes() const { return law_.on_nodes(); }          // [N] (N, 3)

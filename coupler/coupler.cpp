@@ -44,7 +44,10 @@ double largest_speed(std::span<const double> v) {
 Coupler::Coupler(const Case& input, const CouplerOptions& options)
     : input_(input),
       options_(options),
-      participants_(options.place, input),
+      from_(options.resume.empty() ? std::optional<Manifest>()
+                                   : std::optional(read_manifest(options.resume))),
+      participants_(options.place, input, from_ ? from_->step : 0, from_ ? from_->t : 0),
+      clock_(input.checkpoint, 0),
       progress_(options.quiet, options.folder + "/status.json"),
       agreement_(input.time, input.output.fields_every) {
     log_info("waiting for participants at " + participants_.endpoint());
@@ -64,12 +67,17 @@ int Coupler::run() {
 int Coupler::run_loop() {
     participants_.join();
     prepare();
+    if (from_) n_ = from_->step;
     send_boxes();
-    for (n_ = 0;; ++n_) {
+    for (;; ++n_) {
         participants_.receive();
-        if (const std::string reason = reason_to_end(); !reason.empty()) return finish(reason);
+        if (from_ && n_ == from_->step) resume();
+        const std::string reason = reason_to_end();
+        if (checkpoint_due(reason)) write_checkpoint();
+        if (!reason.empty()) return finish(reason);
 
         update_contact();
+        resumed_ = false;
         const AgreedStep step = agree_time_step();
         contact_->compute_forces(step.dt);
         send_forces(step);
@@ -86,6 +94,8 @@ void Coupler::prepare() {
     for (const auto role : {Participants::particles, Participants::surface})
         log_info(participants_.name(role) + " (" + participants_.software(role) + ") has joined");
     log_info(std::string("states and forces travel by ") + participants_.transport());
+    check_capabilities();
+    clock_.written(from_ ? from_->t : 0);
     joint_ = join_surfaces(participants_.surface_meshes());
     const wire::Mesh& particles = participants_.particle_mesh();
     boxed_ = std::make_unique<contact::Surface>(joint_.quad, joint_.mass);
@@ -93,7 +103,8 @@ void Coupler::prepare() {
     // The skin is given in spacings; a spacing is two radii.
     budget_ = std::make_unique<SearchBudget>(particles.radius,
                                              input_.coupling.skin * 2 * particles.radius);
-    recorder_ = std::make_unique<Recorder>(options_.folder, input_, joint_, particles.groups);
+    recorder_ = std::make_unique<Recorder>(options_.folder, input_, joint_, particles.groups,
+                                           from_ ? FileStart::continued : FileStart::fresh);
     figures_ = std::make_unique<RunFigures>();
     log_info("coupled surface: " + std::to_string(joint_.quad.size() / 4) + " facets, " +
              std::to_string(joint_.mass.size()) + " nodes, " + std::to_string(joint_.names.size()) +
@@ -117,6 +128,7 @@ void Coupler::update_contact() {
         return;
     }
     const wire::State& particles = participants_.particle_state();
+    if (resumed_) send_same_active();
     budget_->moved(particles.reach, surface.x, step_.dt);
     contact_->update(particles.x, particles.v, surface.x, surface.v, longest_step());
     if (budget_->late() == 0 || late_reported_) return;
@@ -182,6 +194,14 @@ void Coupler::send_active() {
     wire::Active active;
     active.n = n_;
     active.row.assign(contact_->active_rows().begin(), contact_->active_rows().end());
+    participants_.send_active(std::move(active));
+}
+
+/// To who is resumed in the middle of an ACTIVE list: its PROBE had the rows of that list.
+void Coupler::send_same_active() {
+    wire::Active active;
+    active.n = n_;
+    for (std::uint32_t row = 0; row < phase_.size(); ++row) active.row.push_back(row);
     participants_.send_active(std::move(active));
 }
 

@@ -3,11 +3,14 @@
 // contact between them, and keeps the books.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "case/case.hpp"
 #include "case/time_step.hpp"
+#include "checkpoint/checkpoint_clock.hpp"
+#include "checkpoint/checkpoint_set.hpp"
 #include "contact/penalty_contact.hpp"
 #include "coupler/joint_surface.hpp"
 #include "coupler/participants.hpp"
@@ -22,6 +25,7 @@ struct CouplerOptions {
     std::string folder;  // of the results
     MeetingPlace place;
     bool quiet = false;
+    std::string resume;  // a set of checkpoints to go on from; empty = from the start
 };
 
 class Coupler {
@@ -42,15 +46,24 @@ class Coupler {
     AgreedStep agree_time_step();
     void send_boxes();
     void send_active();
+    void send_same_active();
     void send_forces(const AgreedStep& step);
     void report_start_inside() const;
     void record(const AgreedStep& step);
     int finish(const std::string& reason);
+    // checkpoint.cpp:
+    void check_capabilities() const;
+    bool checkpoint_due(const std::string& reason_to_end) const;
+    void write_checkpoint();
+    void archive(Archive& a);
+    void resume();
     void write_failure(const Failure& failure) const noexcept;
 
     Case input_;
     CouplerOptions options_;
+    std::optional<Manifest> from_;  // the set that the run goes on from
     Participants participants_;
+    CheckpointClock clock_;
     ProgressLine progress_;
     StepAgreement agreement_;
 
@@ -67,6 +80,7 @@ class Coupler {
     std::vector<StepOffer> offers_;
     std::vector<std::uint32_t> phase_;  // of each active particle
     bool late_reported_ = false;
+    bool resumed_ = false;  // this step's messages are those of the checkpoint
 };
 
 }  // namespace undertow::coupler

@@ -2,7 +2,6 @@
 
 #include "case/program_options.hpp"
 #include "coupler/coupler.hpp"
-#include "wire/errors.hpp"
 
 int main(int argc, char** argv) {
     using namespace undertow;
@@ -11,13 +10,11 @@ int main(int argc, char** argv) {
         {"coupler", "Couples a particle solver and a structure: contact, common time step, audit.",
          ProgramKind::coupler, [](ProgramOptions options) {
              const Case input = open_case(options, "coupler");
-             if (input.checkpoint.present || !options.resume.empty())
-                 throw InputError(input.file + ": [checkpoint] and --resume work for one "
-                                  "solver alone in this version; leave them out.");
              const coupler::CouplerOptions own{
                  options.folder,
                  {options.endpoint, options.keys, options.record ? options.folder : ""},
-                 options.quiet};
+                 options.quiet,
+                 options.resume};
              return coupler::Coupler(input, own).run();
          }});
 }

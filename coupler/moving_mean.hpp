@@ -4,6 +4,10 @@
 #include <cstddef>
 #include <vector>
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::coupler {
 
 class MovingMean {
@@ -15,6 +19,7 @@ class MovingMean {
 
     /// Mean over (t - window, t], or over all time so far where that is shorter.
     double mean() const;
+    void archive(Archive& a);
 
  private:
     struct Sample {

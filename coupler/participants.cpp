@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "checkpoint/archive.hpp"
 #include "results/stop_signal.hpp"
 
 namespace undertow::coupler {
@@ -14,7 +15,8 @@ double wall_seconds() {
         .count();
 }
 
-wire::HostOptions options_for(const MeetingPlace& place, const Case& input) {
+wire::HostOptions options_for(const MeetingPlace& place, const Case& input,
+                              std::int64_t first_step, double t0) {
     wire::HostOptions options;
     options.endpoint = place.endpoint;
     options.join_timeout = input.coupling.join_timeout;
@@ -23,7 +25,10 @@ wire::HostOptions options_for(const MeetingPlace& place, const Case& input) {
     options.stop = stop_requested;
     options.curve = place.keys;
     options.record_in = place.record_in;
+    options.welcome.first_step = first_step;
+    options.welcome.t0 = t0;
     options.welcome.t_end = input.time.end;
+    if (input.checkpoint.present) options.welcome.capabilities = {"checkpoint"};
     options.welcome.contact_share = input.coupling.beta + 2 * input.coupling.damping;
     return options;
 }
@@ -37,8 +42,9 @@ auto with_step(const wire::Message& message, Visit visit) {
 
 }  // namespace
 
-Participants::Participants(const MeetingPlace& place, const Case& input)
-    : host_(options_for(place, input)) {}
+Participants::Participants(const MeetingPlace& place, const Case& input, std::int64_t first_step,
+                           double t0)
+    : host_(options_for(place, input, first_step, t0)) {}
 
 void Participants::join() {
     host_.wait_join();
@@ -86,6 +92,55 @@ bool Participants::wants_to_stop() const {
         if (with_step(message, [](const auto& step) { return step.flags & wire::state_stop; }))
             return true;
     return false;
+}
+
+std::array<wire::CheckpointAck, 2> Participants::write_checkpoints(std::int64_t n,
+                                                                   const std::string& id) {
+    for (const Role role : {particles, surface}) host_.send(role, wire::Checkpoint{0, n, id});
+    std::array<wire::CheckpointAck, 2> acks;
+    std::array<bool, 2> here{};
+    while (!here[particles] || !here[surface]) {
+        while (!host_.next_within(1.0, incoming_)) {
+        }
+        acks[incoming_.participant] = std::get<wire::CheckpointAck>(incoming_.message);
+        here[incoming_.participant] = true;
+    }
+    return acks;
+}
+
+void Participants::archive(Archive& a) {
+    const auto common = [&](auto& step) {
+        a("n", step.n);
+        a("t", step.t);
+        a("dt_limit", step.dt_limit);
+        a("limiter", step.limiter);
+        a("flags", step.flags);
+        a("work", step.work);
+        a("x", step.x);
+        a("v", step.v);
+        if (a.reading()) step.flags &= ~std::uint32_t(wire::state_stop);
+    };
+    for (const Role role : {particles, surface}) {
+        const Archive::Group group(a, role == particles ? "particles" : "surface");
+        bool is_probe = std::holds_alternative<wire::Probe>(latest_[role]);
+        a("is_probe", is_probe);
+        if (is_probe) {
+            if (a.reading()) latest_[role] = wire::Probe{};
+            wire::Probe& probe = std::get<wire::Probe>(latest_[role]);
+            common(probe);
+            a("id", probe.id);
+            a("mass", probe.mass);
+            a("radius", probe.radius);
+            a("stiffness", probe.stiffness);
+            a("phase", probe.phase);
+        } else {
+            if (a.reading()) latest_[role] = wire::State{};
+            wire::State& state = std::get<wire::State>(latest_[role]);
+            common(state);
+            a("revision", state.revision);
+            a("reach", state.reach);
+        }
+    }
 }
 
 void Participants::send_surface(wire::Surface message) {

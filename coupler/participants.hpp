@@ -11,6 +11,10 @@
 #include "case/time_step.hpp"
 #include "wire/host.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::coupler {
 
 /// Wall time the coupler stood still, by who was missing.  [s]
@@ -31,7 +35,9 @@ class Participants {
  public:
     enum Role : std::size_t { particles = 0, surface = 1 };
 
-    Participants(const MeetingPlace& place, const Case& input);
+    /// first_step, t0 [s]: where the run begins (again).
+    Participants(const MeetingPlace& place, const Case& input, std::int64_t first_step = 0,
+                 double t0 = 0);
 
     /// HELLO, WELCOME and MESH of both.
     void join();
@@ -48,6 +54,14 @@ class Participants {
     double work(Role role) const;      // particle- or element-steps done so far
     double waited(Role role) const;    // [s] it has waited for the coupler so far
     bool wants_to_stop() const;        // Ctrl-C at a participant
+
+    bool can(Role role, const std::string& capability) const {
+        return host_.can(role, capability);
+    }
+    /// Both write their state before step n under the name `id`.
+    std::array<wire::CheckpointAck, 2> write_checkpoints(std::int64_t n, const std::string& id);
+    /// The latest messages of both. Whoever asked to stop then does not ask again.
+    void archive(Archive& a);
 
     void send_surface(wire::Surface message);
     void send_active(wire::Active message);

@@ -81,14 +81,14 @@ double share_in(const Box& box, const Contact& c, double l0) {
 }  // namespace
 
 Recorder::Recorder(const std::string& folder, const Case& input, const JointSurface& surface,
-                   const std::vector<std::string>& phases)
+                   const std::vector<std::string>& phases, FileStart start)
     : names_(surface.names),
       phases_(phases.size()),
       group_(surface.group),
       total_(surface.names.size()),
       of_phase_(phases.size() > 1 ? surface.names.size() * phases.size() : 0),
       every_(history_interval(input)),
-      forces_(folder + "/forces.csv", force_notes(), force_columns(surface, phases)),
+      forces_(folder + "/forces.csv", force_notes(), force_columns(surface, phases), start),
       energy_(
           folder + "/energy.interface.csv",
           {"work done by contact since the start, energy stored and lost at the interface",
@@ -98,12 +98,13 @@ Recorder::Recorder(const std::string& folder, const Case& input, const JointSurf
            "booked to t - dt_before/2: the last step is booked when its velocities arrive"},
           {"t [s]", "work_particles [J]", "work_surface [J]", "penalty [J]", "damping [J]",
            "friction [J]", "relaxation [J]", "impact [J]", "uneven [J]", "turning [J]",
-           "residual [J]", "contacts", "deepest [l0]"}) {
+           "residual [J]", "contacts", "deepest [l0]"},
+          start) {
     for (const PressurePatch& patch : input.coupling.patch)
         patch_.push_back({patch, MovingMean(patch.window)});
     if (!patch_.empty())
         patches_.emplace(folder + "/patches.csv", patch_notes(input.coupling.patch),
-                         patch_columns(input.coupling.patch));
+                         patch_columns(input.coupling.patch), start);
 }
 
 void Recorder::record(const RecordedStep& step, const contact::PenaltyContact& contact,

@@ -23,7 +23,7 @@ struct RecordedStep {
 class Recorder {
  public:
     Recorder(const std::string& folder, const Case& input, const JointSurface& surface,
-             const std::vector<std::string>& phases);
+             const std::vector<std::string>& phases, FileStart start = FileStart::fresh);
 
     /// Sums the contacts of this step; writes a row when output.history_every has passed.
     /// phase: of each active particle, index into `phases`.
@@ -33,6 +33,7 @@ class Recorder {
     /// The last step as a final row, whatever the interval; all files flushed.
     void finish(const contact::PenaltyContact& contact);
     void flush();
+    void archive(Archive& a);
 
     double total_force() const;                            // [N] norm of the force on all surfaces
     double contact_time() const { return contact_time_; }  // [s] with any contact

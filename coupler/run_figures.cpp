@@ -117,6 +117,10 @@ void RunFigures::write(const std::string& path, const std::string& reason, doubl
     summary.set("start_inside.deepest_over_l0", contact.start_inside().deepest);
     summary.set("start_inside.id", std::int64_t(contact.start_inside().id));
     summary.set("penetration_max_over_l0", recorder.deepest());
+    if (checkpoints_.written > 0) {
+        summary.set("checkpoint.written", checkpoints_.written);
+        summary.set("checkpoint.s_each", checkpoints_.seconds / double(checkpoints_.written));
+    }
     const Waits& waits = participants.waits();
     const double whole = std::max(wall(), 1e-9);
     summary.set("wait_for_particles_s", waits.for_particles);

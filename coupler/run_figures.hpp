@@ -7,6 +7,7 @@
 #include <string>
 
 #include "case/time_step.hpp"
+#include "checkpoint/checkpoint_figures.hpp"
 #include "contact/penalty_contact.hpp"
 #include "coupler/participants.hpp"
 #include "coupler/recorder.hpp"
@@ -20,6 +21,8 @@ class RunFigures {
 
     void count(const AgreedStep& step, const contact::PenaltyContact& contact);
     void count_search() { ++searches_; }
+    void count_checkpoint(double seconds) { checkpoints_.count(0, seconds); }
+    void archive(Archive& a);
 
     ProgressFigures live(const AgreedStep& step, const Participants& participants,
                          const Recorder& recorder, double t_end) const;
@@ -37,6 +40,7 @@ class RunFigures {
     double largest_force_ = 0;                     // [N] component on a particle
     double momentum_residual_ = 0;                 // [N] largest of any step
     std::map<std::string, std::int64_t> limited_by_;
+    CheckpointFigures checkpoints_;
 };
 
 }  // namespace undertow::coupler

@@ -16,6 +16,10 @@
 #include <span>
 #include <vector>
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::coupler {
 
 class SearchBudget {
@@ -38,6 +42,7 @@ class SearchBudget {
     /// Must the step after the coming one, of length dt [s], begin with a search?
     bool due(double dt) const;
 
+    void archive(Archive& a);
     double used() const { return used_; }            // [m] of approach since the search
     double allowance() const { return allowance_; }  // [m] granted by it
     std::int64_t late() const { return late_; }      // steps at which the skin was overdrawn

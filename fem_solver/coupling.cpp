@@ -80,7 +80,7 @@ class Coupled final : public Link {
         : participant_({.endpoint = endpoint,
                         .name = "fem",
                         .role = "surface",
-                        .capabilities = {},
+                        .capabilities = {"checkpoint"},
                         .software = "undertow fem_solver " UNDERTOW_VERSION,
                         .join_timeout = c.coupling.join_timeout,
                         .curve = keys,
@@ -139,7 +139,7 @@ class Coupled final : public Link {
             }
         }
         participant_.send(std::move(state));
-        work_ += double(structure.elements().deformable());
+        work_of_step_ = double(structure.elements().deformable());
     }
 
     const StepOrder& wait_order() override {
@@ -149,6 +149,7 @@ class Coupled final : public Link {
         if (reply_.finish) {
             order_.interrupted = reply_.finish->reason == "interrupted";
         } else if (reply_.force) {
+            work_ += work_of_step_;
             order_.dt = reply_.force->dt;
             order_.t1 = reply_.force->t1;
             order_.limiter = reply_.force->limiter;
@@ -181,7 +182,7 @@ class Coupled final : public Link {
     wire::State state_;
     wire::StepReply reply_;
     StepOrder order_;
-    double work_ = 0;  // element-steps
+    double work_ = 0, work_of_step_ = 0;  // element-steps
 };
 
 }  // namespace

@@ -129,9 +129,6 @@ int run(const Case& c, const ProgramOptions& options, Link& link, Prepared prepa
 int join_and_run(ProgramOptions options) {
     const Case c = open_case(options, "fem_solver");
     if (!c.fem.present) throw InputError(c.file + ": the case has no [fem] table.");
-    if (!options.endpoint.empty() && (c.checkpoint.present || !options.resume.empty()))
-        throw InputError(c.file + ": [checkpoint] and --resume work for one solver alone in this "
-                         "version; leave them out.");
     // Settling takes its time before the others are asked to wait; what it finds wrong is told to
     // them all the same.
     Prepared prepared;

@@ -9,6 +9,7 @@
 #include "checkpoint/own_checkpoints.hpp"
 #include "results/log.hpp"
 #include "results/stop_signal.hpp"
+#include "wire/errors.hpp"
 #include "wire/participant.hpp"
 
 namespace undertow::sph {
@@ -89,7 +90,9 @@ class CoupledLink : public Link {
     }
 
     void offer(const StepState& state, const FluidSystem& fluid) override {
-        if (probe_)
+        if (resumed_)
+            send_again(state, fluid);
+        else if (probe_)
             send_probe(state, fluid);
         else
             send_state(state, fluid);
@@ -109,7 +112,9 @@ class CoupledLink : public Link {
             boxes_ = surface_->boxes;
         }
         if (surface_) show_surface(fluid);
-        if (reply.active) take_active(*reply.active, fluid);
+        // a list that went on through the checkpoint is the one there is
+        if (reply.active && (probe_ || !resumed_)) take_active(*reply.active, fluid);
+        resumed_ = false;
         StepOrder order;
         if (reply.finish) {
             order.finished = true;
@@ -144,7 +149,9 @@ class CoupledLink : public Link {
         a("active", active_);
         a.flat<double>("last_x", last_x_);
         a("travelled_at_probe", travelled_at_probe_);
-        if (a.reading()) surface_.reset();
+        if (!a.reading()) return;
+        surface_.reset();
+        resumed_ = true;
     }
 
     void report_error(const std::string& code, const std::string& text) noexcept override {
@@ -186,6 +193,32 @@ class CoupledLink : public Link {
             probe.phase.push_back(p.fluid[i]);
         }
         travelled_at_probe_ = fluid.travelled();
+        participant_.send(std::move(probe));
+    }
+
+    /// After a resume a session begins with a PROBE: of those that the last one had, or that are
+    /// active. The coupler has kept what was said before the checkpoint and goes by that.
+    void send_again(const StepState& s, const FluidSystem& fluid) {
+        if (const std::int64_t first = participant_.welcome().first_step; first != s.n)
+            throw InputError("the coupler goes on at step " + std::to_string(first) +
+                             ", this program's checkpoint is of step " + std::to_string(s.n) +
+                             ": resume all programs from the same set.");
+        wire::Probe probe;
+        probe.n = s.n, probe.t = s.t, probe.dt_limit = s.dt_limit, probe.limiter = s.limiter;
+        probe.flags = stop_requested() ? wire::state_stop : 0u;
+        probe.work = s.work, probe.wait = waited();
+        for (const std::int64_t id : probe_ ? candidates_ : active_) {
+            const int i = fluid.index_of(id);
+            const Vec3 x = i < 0 ? Vec3{} : fluid.contact_point(i);
+            probe.id.push_back(static_cast<std::uint64_t>(id));
+            put(probe.x, x[0], x[1] + middle_, x[2]);
+            put(probe.v, 0, 0, 0);
+            const FluidLaw& law = i < 0 ? fluid.fluid() : fluid.fluid_of(std::size_t(i));
+            probe.mass.push_back(law.mass);
+            probe.radius.push_back(0.5 * law.spacing);
+            probe.stiffness.push_back(0);
+            probe.phase.push_back(i < 0 ? 0 : fluid.particles.fluid[i]);
+        }
         participant_.send(std::move(probe));
     }
 
@@ -245,6 +278,7 @@ class CoupledLink : public Link {
     std::vector<double> boxes_;          // [m] (B, 6)
     std::optional<wire::Surface> surface_;   // news for the fluid
     bool probe_ = true;
+    bool resumed_ = false;                   // nothing has been said since
     wire::State state_;
     wire::StepReply reply_;
     std::int64_t asked_ = 0;                 // step of the checkpoint that is being written

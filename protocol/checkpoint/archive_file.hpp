@@ -13,7 +13,7 @@ namespace undertow {
 struct WrittenFile {
     std::string name;  // without the folder
     std::string sha;   // SHA-256 of its bytes, hex
-    std::int64_t bytes = 0;
+    std::int64_t bytes = 0;  // -1: not known
 };
 
 class ArchiveWriter final : public Archive {

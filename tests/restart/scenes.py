@@ -151,7 +151,7 @@ def is_of_the_machine(key):
     """Times, rates, memory and threads depend on the machine; checkpoints are those of one run."""
     return key == "set" or key.endswith(("_s", "per_s", "_mb", "_mib")) or any(
         part in key for part in ("wall", "wait", "phase", "thread", "checkpoint", "share", "memory",
-                                 "fraction", "overhead", "us_per"))
+                                 "fraction", "overhead", "us_per", "bytes"))
 
 
 def flat(value, path=""):
