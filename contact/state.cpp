@@ -11,7 +11,7 @@ void archive_contacts(Archive& a, const char* name, std::vector<Contact>& contac
     const auto fields = [](Contact& c) {
         return std::tie(c.particle, c.facet, c.weight, c.point[0], c.point[1], c.point[2],
                         c.normal[0], c.normal[1], c.normal[2], c.depth, c.closing, c.slip[0],
-                        c.slip[1], c.slip[2], c.stiffness, c.mass, c.share, c.normal_force,
+                        c.slip[1], c.slip[2], c.stiffness, c.mass, c.normal_force,
                         c.damping_force, c.friction[0], c.friction[1], c.friction[2], c.force[0],
                         c.force[1], c.force[2]);
     };
@@ -23,7 +23,11 @@ void archive_contacts(Archive& a, const char* name, std::vector<Contact>& contac
 void ForceLaw::archive(Archive& a) {
     a("memory", memory_);
     a("in_contact", in_contact_);
-    a("last_dt", last_dt_);
+    a("inside", inside_);
+    a("started", started_);
+    a("start_inside/particles", start_inside_.particles);
+    a("start_inside/deepest", start_inside_.deepest);
+    a("start_inside/id", start_inside_.id);
     if (a.reading()) next_.assign(memory_.size(), 0);
 }
 
@@ -31,6 +35,7 @@ void Detector::archive(Archive& a) {
     a.rows("look", look_,
            [](Look& l) { return std::tie(l.x[0], l.x[1], l.x[2], l.travel, l.nearest); });
     a("distance", distance_);
+    a.rows("side", side_, [](Side& s) { return std::tie(s.facet, s.weight); });
     a("x_nodes", x_nodes_);
     a("travel", travel_);
     a("node_speed", node_speed_);

@@ -414,6 +414,7 @@ void ContactPair::archive(Archive& a) {
     a("first", s.first);
     a("last", s.last);
     a("radius", s.radius);
+    a("least_radius", s.least_radius);
     a("x_searched", s.x_searched);
     a("surface_searched", s.surface_searched);
     a("searches", s.searches);
