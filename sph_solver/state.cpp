@@ -79,6 +79,7 @@ void ClusterLists::archive(Archive& a) {
         for (int c = 0; c < clusters(); ++c) all.insert(all.end(), begin(c), end(c));
     a("lists", all);
     if (!a.reading()) return;
+    all.resize(all.size() + ahead);
     if (buffer_.empty()) buffer_.resize(1);
     buffer_[0] = std::move(all);
     begin_.resize(count_.size());
@@ -145,6 +146,7 @@ void Neighborhood::archive(Archive& a) {
     a("extra_start", extra_start_);
     a("body_targets", body_targets_);
     a.object("fluid_lists", fluid_lists_);
+    if (a.reading()) marked_.lay_out(fluid_lists_);  // the sums of a step begin by marking
     a.object("body_lists", body_lists_);
     a.flat<FluidBits>("fluids", fluids_);
     a("root_viscosity", root_viscosity_);
@@ -160,6 +162,8 @@ void NearWalls::archive(Archive& a) {
     a.flat<double>("stress", stress_);
     a.flat<double>("coulomb", coulomb_);
     a.rows("rubbing", rubbing_, rubbing);
+    a("share", share_);
+    a("plane_shares", plane_shares_);
     a.rows("near", near_, rubbing);
     a("safe_until", safe_until_);
 }
