@@ -75,9 +75,10 @@ class Program:
         return re.sub(r"^.*?error\S*: ", "", text)
 
     def memory(self, key="VmRSS"):
-        """[kB] of /proc/PID/status; VmHWM is the peak."""
+        """[kB] of /proc/PID/status; VmHWM is the peak. None of a process that has ended."""
         text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
-        return int(re.search(key + r":\s+(\d+)", text)[1])
+        found = re.search(key + r":\s+(\d+)", text)
+        return int(found[1]) if found else None
 
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))

@@ -28,7 +28,7 @@ class WrongMessages(Case):
                 error = surface.answer()
                 grown = 0
                 if coupler.process.poll() is None:
-                    grown = coupler.memory("VmHWM") - before
+                    grown = (coupler.memory("VmHWM") or before) - before
                 scene.expect("coupler", 3, code, row=row)
                 scene.expect("coupler", 3, says)
                 scene.expect("sph", 3, code, row=row)
