@@ -43,6 +43,7 @@ void run_solver(const std::string& endpoint, const std::string& name, std::size_
     mesh.groups = {name};
     mesh.mass.assign(std::max<std::size_t>(n_points, 4), 1);
     mesh.x.assign(3 * mesh.mass.size(), 0);
+    mesh.x[3] = mesh.x[6] = mesh.x[7] = mesh.x[10] = 1;  // one facet of 1 m x 1 m, all other points at a corner
     mesh.quad = {0, 1, 2, 3};
     mesh.group = {0};
     const std::size_t n_nodes = mesh.mass.size();

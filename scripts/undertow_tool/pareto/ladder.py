@@ -10,6 +10,7 @@
     name = "implicit wall"
     with = ["implicit_wall"]        # level, set, backend: of this run alone, beside those of all
     note = "..."
+    twin = false                    # true: the reference again, with something that should not matter changed
 
     [[curve]]                       # error of a history against the reference run's
     name = "force on the wall"
@@ -40,6 +41,7 @@ class Run:
     set: list = field(default_factory=list)
     backend: str = ""
     note: str = ""
+    twin: bool = False
 
     @property
     def folder(self):
@@ -100,10 +102,11 @@ def ladder_from(table, name, where):
     known(table, ("title", "about", "level", "set", "reference", "run", "curve", "check"), where)
     runs = []
     for entry in table.get("run", []):
-        known(entry, ("name", "level", "with", "set", "backend", "note"), f"{where}, [[run]]")
+        known(entry, ("name", "level", "with", "set", "backend", "note", "twin"), f"{where}, [[run]]")
         need(entry, ("name",), f"{where}, [[run]]")
         runs.append(Run(entry["name"], entry.get("level", table.get("level", "")), entry.get("with", []),
-                        table.get("set", []) + entry.get("set", []), entry.get("backend", ""), entry.get("note", "")))
+                        table.get("set", []) + entry.get("set", []), entry.get("backend", ""), entry.get("note", ""),
+                        entry.get("twin", False)))
     if len({run.folder for run in runs}) < len(runs) or not runs:
         raise UserError(f"{where}: it needs [[run]] tables whose names differ in more than spaces.")
     curves = []

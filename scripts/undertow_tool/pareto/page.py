@@ -48,24 +48,33 @@ def page_text(ladder, figures, picture, command, machine):
 
 
 def draw(ladder, figures, path):
-    """Each error against wall time, the runs that no other beats in both joined by a line."""
+    """Each error against wall time, the runs that no other beats in both joined by a line; runs by their number."""
     names = [name for name in figures[0]["errors"] if any(row["errors"][name] for row in figures)]
-    figure = new_figure((4.6 * len(names), 4.2))
+    twin = next((run.name for run in ladder.runs if run.twin), "")
+    figure = new_figure((3.6 * len(names) + 2.8, 4.0))
     panels = figure.subplots(1, len(names), squeeze=False)[0]
     for panel, name in zip(panels, names):
-        rated = [row for row in figures if row["errors"][name] is not None]
-        best = best_of(rated, name)
-        places = sorted((row["cost"]["wall_s"], 100 * abs(row["errors"][name]), row["name"]) for row in rated)
-        panel.plot([x for x, _, who in places if who in best], [y for _, y, who in places if who in best],
+        rated = [(number, row) for number, row in enumerate(figures, 1) if row["errors"][name] is not None]
+        best = best_of([row for _, row in rated], name)
+        places = sorted((row["cost"]["wall_s"], 100 * abs(row["errors"][name]), number, row["name"])
+                        for number, row in rated)
+        panel.plot([x for x, _, _, who in places if who in best], [y for _, y, _, who in places if who in best],
                    color=OURS, linewidth=1, zorder=1)
-        for x, y, who in places:
-            panel.plot(x, y, "o", color=OURS if who in best else STRUCTURE, markersize=6, zorder=2)
-            panel.annotate(who, (x, y), xytext=(6, 4), textcoords="offset points", fontsize=8, color=INK)
+        for x, y, number, who in places:
+            panel.plot(x, y, "o", color=OURS if who in best else STRUCTURE, markersize=12, zorder=2)
+            panel.annotate(str(number), (x, y), ha="center", va="center", fontsize=8, color="white", zorder=3)
+            if who == twin and name in [curve.name for curve in ladder.curves]:
+                panel.axhspan(0, y, color=STRUCTURE, alpha=0.15, linewidth=0, zorder=0)
         panel.set(xscale="log", xlabel="wall time [s]", title=name)
-        panel.margins(0.25, 0.12)
-        panel.set_ylim(bottom=0)
+        panel.set_ylim(0, 1.15 * max(y for _, y, _, _ in places))
+        panel.margins(x=0.12)
     panels[0].set_ylabel("error [%]")
+    lines = [f"{number}  {row['name']}" for number, row in enumerate(figures, 1)]
+    if twin:
+        lines += ["", "gray: what two runs of the", "reference differ by"]
     figure.suptitle(ladder.title, x=0.02, ha="left", fontsize=12, fontweight="bold")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0, 1 - 2.8 / figure.get_figwidth(), 1))
+    figure.text(1 - 2.7 / figure.get_figwidth(), 0.85, "\n".join(lines), ha="left", va="top", fontsize=9, color=INK,
+                linespacing=1.5)
     figure.savefig(path)
     plt.close(figure)
