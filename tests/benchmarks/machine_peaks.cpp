@@ -24,21 +24,24 @@ volatile float sink;
 
 }  // namespace
 
-double fma_peak() {
+double fma_peak(int threads) {
     constexpr int steps = 4000000;
     double best = 0;
     for (int repeat = 0; repeat < 5; ++repeat) {
-        Vector sum[chains];
-        for (int c = 0; c < chains; ++c) sum[c] = Vector{} + 0.1f * float(c);
-        Vector factor = Vector{} + 0.999999f, addend = Vector{} + 1e-6f;
-        asm volatile("" : "+x"(factor), "+x"(addend));  // not constants to the compiler
         const double start = cpu_clock();
-        for (int n = 0; n < steps; ++n)
-            for (int c = 0; c < chains; ++c) sum[c] = sum[c] * factor + addend;
+#pragma omp parallel num_threads(threads)
+        {
+            Vector sum[chains];
+            for (int c = 0; c < chains; ++c) sum[c] = Vector{} + 0.1f * float(c);
+            Vector factor = Vector{} + 0.999999f, addend = Vector{} + 1e-6f;
+            asm volatile("" : "+x"(factor), "+x"(addend));  // not constants to the compiler
+            for (int n = 0; n < steps; ++n)
+                for (int c = 0; c < chains; ++c) sum[c] = sum[c] * factor + addend;
+            for (int c = 0; c < chains; ++c) sink = sum[c][0];
+        }
         const double time = cpu_clock() - start;
-        for (int c = 0; c < chains; ++c) sink = sum[c][0];
         const double operations = 2.0 * chains * steps * (vector_bytes / sizeof(float));
-        best = std::max(best, operations / time);
+        best = std::max(best, threads * operations / time);
     }
     return best;
 }

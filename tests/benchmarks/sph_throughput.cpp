@@ -146,6 +146,11 @@ int main(int argc, char** argv) {
         "machine: %.0f GF/s per core (float FMA), reads %.1f GB/s on one core, %.1f on %d\n",
         1e-9 * peak, 1e-9 * one, 1e-9 * all, cores);
     figures.push_back(key("machine.fma_flops_per_core", peak));
+    // 2 on two free cores, 1 on two threads of one core: what two threads can gain at all
+    const double gain = cores > 1 ? 2 * fma_peak(2) / peak : 1;
+    if (cores > 1)
+        std::fprintf(stderr, "machine: two threads do %.2f times the arithmetic of one\n", gain);
+    figures.push_back(key("machine.two_thread_gain", gain));
     figures.push_back(key("machine.read_bytes_per_s_one_core", one));
     figures.push_back(key("machine.read_bytes_per_s", all));
 
