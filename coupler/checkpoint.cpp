@@ -112,6 +112,7 @@ bool Coupler::checkpoint_due(const std::string& reason_to_end) const {
 void Coupler::write_checkpoint() {
     const double start = wall_clock();
     const std::string id = checkpoint_id(n_);
+    progress_.update_now(live("writing " + id));
     const std::string folder = checkpoint_folder(options_.folder, id);
     Manifest manifest{id, n_, t_, {}};
     const auto acks = participants_.write_checkpoints(n_, id);
@@ -122,13 +123,15 @@ void Coupler::write_checkpoint() {
         if (!elsewhere) file.bytes = std::int64_t(bytes);
         manifest.files.push_back({participants_.name(role), file});
     }
-    ArchiveWriter writer(folder + "/coupler.h5");
+    const Pulse tell = [&] { participants_.still_busy("writing " + id); };
+    ArchiveWriter writer(folder + "/coupler.h5", tell);
     archive_case(writer, input_, id);
     archive(writer);
     manifest.files.push_back({"coupler", writer.commit()});
     write_manifest(folder, manifest);
-    prune_checkpoints(options_.folder, id, input_.checkpoint.keep);
+    prune_checkpoints(options_.folder, id, input_.checkpoint.keep, tell);
     clock_.written(t_);
+    progress_.kept("checkpoints/" + id, t_);
     figures_->count_checkpoint(wall_clock() - start);
     log_info("checkpoint " + id + " at t = " + number_text(t_) + " s in " +
              number_text(wall_clock() - start, 3) + " s");
@@ -137,7 +140,8 @@ void Coupler::write_checkpoint() {
 /// Everything is as it was when the participants' messages of this step had come; what they have
 /// sent now only says that they are there.
 void Coupler::resume() {
-    const std::string path = checked_file(options_.resume, *from_, "coupler");
+    const Pulse tell = [&] { participants_.still_busy("reading " + options_.resume); };
+    const std::string path = checked_file(options_.resume, *from_, "coupler", tell);
     ArchiveReader reader(path);
     archive_case(reader, input_, path);
     archive(reader);
@@ -146,6 +150,7 @@ void Coupler::resume() {
                          std::to_string(from_->step) + ": the files are of different sets.");
     step_.last = t_ >= input_.time.end;
     resumed_ = true;
+    progress_.kept("checkpoints/" + from_->id, t_);
     log_info("resumed from " + path + " at step " + std::to_string(n_) +
              ", t = " + number_text(t_) + " s");
 }

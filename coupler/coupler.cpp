@@ -86,7 +86,6 @@ int Coupler::run_loop() {
         contact_->settle();
         record(step);
         t_ = step.t1;
-        step_ = step;
     }
 }
 
@@ -243,13 +242,22 @@ void Coupler::report_start_inside() const {
 void Coupler::record(const AgreedStep& step) {
     recorder_->record({t_, step.dt}, *contact_, phase_);
     figures_->count(step, *contact_);
-    progress_.update(figures_->live(step, participants_, *recorder_, input_.time.end));
+    step_ = step;
+    if (progress_.due()) progress_.update(live());
+}
+
+/// For the live line; made only when it is due.
+ProgressFigures Coupler::live(std::string doing) const {
+    ProgressFigures figures =
+        figures_->live(step_, participants_, *recorder_, input_.time.end);
+    figures.doing = std::move(doing);
+    return figures;
 }
 
 int Coupler::finish(const std::string& reason) {
     recorder_->finish(*contact_);
     participants_.finish(n_, reason);
-    progress_.finish(figures_->live(step_, participants_, *recorder_, input_.time.end));
+    progress_.finish(live());
     figures_->write(options_.folder + "/summary.coupler.json", reason, t_, participants_,
                     *recorder_, *contact_, budget_->late());
     if (const double residual = contact_->energy().relative_residual(); residual > books_close)

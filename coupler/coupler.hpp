@@ -50,6 +50,7 @@ class Coupler {
     void send_forces(const AgreedStep& step);
     void report_start_inside() const;
     void record(const AgreedStep& step);
+    ProgressFigures live(std::string doing = {}) const;
     int finish(const std::string& reason);
     // checkpoint.cpp:
     void check_capabilities() const;

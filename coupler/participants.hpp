@@ -60,6 +60,8 @@ class Participants {
     }
     /// Both write their state before step n under the name `id`.
     std::array<wire::CheckpointAck, 2> write_checkpoints(std::int64_t n, const std::string& id);
+    /// See wire::Host::still_busy().
+    void still_busy(const std::string& doing) { host_.still_busy(doing); }
     /// The latest messages of both. Whoever asked to stop then does not ask again.
     void archive(Archive& a);
 

@@ -23,7 +23,8 @@ void Solver::archive(Archive& a) {
 WrittenFile Solver::write_checkpoint(const std::string& id) {
     const double start = wall_clock();
     figures_.wall = start - start_;
-    ArchiveWriter writer(checkpoint_folder(output_.folder(), id) + "/fem.h5");
+    ArchiveWriter writer(checkpoint_folder(output_.folder(), id) + "/fem.h5",
+                         [&] { link_.still_busy("writing " + id); });
     archive_case(writer, case_, id);
     archive(writer);
     const WrittenFile file = writer.commit();
@@ -36,7 +37,8 @@ WrittenFile Solver::write_checkpoint(const std::string& id) {
 
 void Solver::resume(const std::string& set) {
     const Manifest manifest = read_manifest(set);
-    const std::string path = checked_file(set, manifest, "fem");
+    const std::string path =
+        checked_file(set, manifest, "fem", [&] { link_.still_busy("reading " + set); });
     ArchiveReader reader(path);
     archive_case(reader, case_, path);
     archive(reader);
@@ -44,6 +46,7 @@ void Solver::resume(const std::string& set) {
         throw InputError(path + " is of step " + std::to_string(n_) + ", its manifest of step " +
                          std::to_string(manifest.step) + ": the files are of different sets.");
     resumed_ = true;
+    line_.kept("checkpoints/" + manifest.id, t_);
     log_info("resumed from " + path + " at step " + std::to_string(n_) +
              ", t = " + number_text(t_) + " s");
 }

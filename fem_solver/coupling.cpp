@@ -166,6 +166,7 @@ class Coupled final : public Link {
         ack.sha256 = file.sha;
         participant_.send(std::move(ack));
     }
+    void still_busy(const std::string& doing) override { participant_.still_busy(doing); }
     void archive(Archive& a) override { a("work", work_); }
     void say_goodbye(std::int64_t n) override {
         participant_.say_goodbye(n);

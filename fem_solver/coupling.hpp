@@ -37,6 +37,8 @@ class Link {
     virtual const StepOrder& wait_order() = 0;
     /// The checkpoint of the last order is on the disk.
     virtual void confirm(const WrittenFile& file) = 0;
+    /// Called in long work between two messages: who waits for this program learns that it lives.
+    virtual void still_busy(const std::string&) {}
     virtual void archive(Archive& a) = 0;
     virtual void say_goodbye(std::int64_t n) = 0;
     /// Tells the others why this program fails; `code` is one of the protocol's.

@@ -1,5 +1,8 @@
 #include "fem_solver/solver.hpp"
 
+#include <utility>
+
+#include "checkpoint/checkpoint_set.hpp"
 #include "results/stop_signal.hpp"
 #include "results/wall_clock.hpp"
 #include "wire/errors.hpp"
@@ -65,7 +68,9 @@ bool Solver::step_to_the_end() {
 const StepOrder& Solver::wait_order() {
     const StepOrder* order = &link_.wait_order();
     while (!order->checkpoint.empty()) {
+        line_.update_now(live(*order, "writing " + order->checkpoint));
         link_.confirm(write_checkpoint(order->checkpoint));
+        line_.kept("checkpoints/" + checkpoint_id(n_), t_);
         order = &link_.wait_order();
     }
     return *order;
@@ -99,8 +104,7 @@ void Solver::count(const StepOrder& order) {
     figures_.t = t_;
 }
 
-void Solver::show(const StepOrder& order, bool last) {
-    if (n_ % 64 != 0 && !last) return;  // far more often than the line is drawn
+ProgressFigures Solver::live(const StepOrder& order, std::string doing) const {
     ProgressFigures figures;
     figures.t = t_;
     figures.t_end = t_end_;
@@ -108,10 +112,15 @@ void Solver::show(const StepOrder& order, bool last) {
     figures.dt = order.dt;
     figures.limiter = order.limiter;
     figures.element_steps = double(structure_.elements().deformable()) * double(figures_.steps);
+    figures.doing = std::move(doing);
+    return figures;
+}
+
+void Solver::show(const StepOrder& order, bool last) {
     if (last)
-        line_.finish(figures);
-    else
-        line_.update(figures);
+        line_.finish(live(order));
+    else if (n_ % 64 == 0 && line_.due())  // far more often than the line is drawn
+        line_.update(live(order));
 }
 
 void Solver::close(double start) {

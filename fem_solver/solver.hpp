@@ -29,6 +29,7 @@ class Solver {
     WrittenFile write_checkpoint(const std::string& id);
     void archive(Archive& a);
     void count(const StepOrder& order);
+    ProgressFigures live(const StepOrder& order, std::string doing = {}) const;
     void show(const StepOrder& order, bool last);
     void close(double start);
 

@@ -31,7 +31,8 @@ void Checkpoints::archive(Archive& a) {
 WrittenFile Checkpoints::write(const std::string& id, double wall) {
     const double start = wall_clock();
     figures_.wall = wall;
-    ArchiveWriter writer(checkpoint_folder(folder_, id) + "/sph.h5");
+    ArchiveWriter writer(checkpoint_folder(folder_, id) + "/sph.h5",
+                         [&] { link_.still_busy("writing " + id); });
     archive_case(writer, input_, id);
     archive(writer);
     const WrittenFile file = writer.commit();
@@ -44,7 +45,8 @@ WrittenFile Checkpoints::write(const std::string& id, double wall) {
 
 void Checkpoints::resume(const std::string& set) {
     const Manifest manifest = read_manifest(set);
-    const std::string path = checked_file(set, manifest, "sph");
+    const std::string path =
+        checked_file(set, manifest, "sph", [&] { link_.still_busy("reading " + set); });
     ArchiveReader reader(path);
     archive_case(reader, input_, path);
     archive(reader);

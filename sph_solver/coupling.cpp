@@ -141,6 +141,8 @@ class CoupledLink : public Link {
         participant_.send(std::move(ack));
     }
 
+    void still_busy(const std::string& doing) override { participant_.still_busy(doing); }
+
     /// The surface that the coupler shows first is not news for a fluid that is resumed.
     void archive(Archive& a) override {
         a("boxes", boxes_);

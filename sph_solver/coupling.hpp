@@ -39,6 +39,8 @@ class Link {
     virtual StepOrder wait(FluidSystem& fluid) = 0;
     /// The checkpoint of the last order is on the disk.
     virtual void confirm(const WrittenFile& file) = 0;
+    /// Called in long work between two messages: who waits for this program learns that it lives.
+    virtual void still_busy(const std::string&) {}
     virtual void archive(Archive& a) = 0;
     virtual void report_error(const std::string& code, const std::string& text) noexcept = 0;
     virtual double waited() const { return 0; }   // [s]

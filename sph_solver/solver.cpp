@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "checkpoint/checkpoint_set.hpp"
 #include "results/log.hpp"
 #include "results/progress.hpp"
 #include "results/wall_clock.hpp"
@@ -89,7 +90,8 @@ int run(const Case& input, const SolverOptions& options) {
     const int threads = omp_get_max_threads();
 
     const Integrator integrator = input.sph.integrator;
-    FluidSystem fluid(input, alone && integrator != Integrator::one_pass ? 0.4 : 0.2);
+    const Begin begin = options.resume.empty() ? Begin::anew : Begin::resumed;
+    FluidSystem fluid(input, alone && integrator != Integrator::one_pass ? 0.4 : 0.2, begin);
     const double one_pass_cfl = default_cfl(Integrator::one_pass, input.sph.smoothing_ratio);
     const double cfl = acoustic_cfl(input.sph);
     const double c0 = fluid.largest_sound_speed();
@@ -119,7 +121,7 @@ int run(const Case& input, const SolverOptions& options) {
     if (fluid.implicit_viscosity())
         log_info(fmt::format("viscous forces: implicit, velocities to {:.2g} of their change in a step",
                              input.sph.viscosity_tolerance));
-    if (input.sph.lattice == FillLattice::relaxed)
+    if (input.sph.lattice == FillLattice::relaxed && begin == Begin::anew)
         log_info(fmt::format("relaxed start: {} iterations, unevenness {:.3g} -> {:.3g}",
                              fluid.relaxation().iterations, fluid.relaxation().before,
                              fluid.relaxation().after));
@@ -168,6 +170,7 @@ int run(const Case& input, const SolverOptions& options) {
         if (!options.resume.empty()) {
             checkpoints.resume(options.resume);
             start -= figures.wall;
+            progress.kept("checkpoints/" + checkpoint_id(n), t);
             summed = true;
         }
         for (;; ++n) {
@@ -212,7 +215,11 @@ int run(const Case& input, const SolverOptions& options) {
 
             order = link->wait(fluid);
             while (!order.checkpoint.empty()) {
+                ProgressFigures p = figures_now();
+                p.doing = "writing " + order.checkpoint;
+                progress.update_now(p);
                 link->confirm(checkpoints.write(order.checkpoint, wall_clock() - start));
+                progress.kept("checkpoints/" + order.checkpoint, t);
                 order = link->wait(fluid);
             }
             watch.lap(figures.contact_wait);
@@ -239,7 +246,7 @@ int run(const Case& input, const SolverOptions& options) {
             figures.dt_sum += dt;
             figures.max_speed = std::max(figures.max_speed, health.max_speed);
             figures.max_compression = std::max(figures.max_compression, health.max_compression);
-            progress.update(figures_now());
+            if (progress.due()) progress.update(figures_now());
         }
     } catch (const std::exception& error) {
         link->report_error(failure_of(error).code, error.what());

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -56,6 +57,23 @@ std::string folder_of(const std::string& path) {
     return slash == std::string::npos ? "." : path.substr(0, slash);
 }
 
+constexpr std::size_t piece = 32 << 20;  // [byte] written between two beats
+constexpr int tables_at_once = 16;
+
+/// On the disk, piece by piece: one fsync() of all could take longer than others wait.
+bool sync_in_pieces(int fd, off_t size, const Pulse& pulse) {
+    for (off_t at = 0; at < size; at += off_t(piece)) {
+        const bool refused =
+            ::sync_file_range(fd, at, off_t(piece),
+                              SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE |
+                                  SYNC_FILE_RANGE_WAIT_AFTER) != 0;
+        // elsewhere than on a disk of this machine there is no such call: fsync() alone decides
+        if (refused && errno != ENOSYS && errno != EINVAL && errno != ESPIPE) return false;
+        if (pulse) pulse();
+    }
+    return ::fsync(fd) == 0;
+}
+
 /// The name, too, must be on the disk.
 bool sync_folder(const std::string& folder) {
     const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY);
@@ -70,10 +88,14 @@ bool sync_folder(const std::string& folder) {
 struct ArchiveWriter::Impl {
     std::string path, aside;
     hid_t file = -1;
+    Pulse pulse;
+    int stored = 0;
 };
 
-ArchiveWriter::ArchiveWriter(const std::string& path) : impl_(std::make_unique<Impl>()) {
+ArchiveWriter::ArchiveWriter(const std::string& path, Pulse pulse)
+    : impl_(std::make_unique<Impl>()) {
     impl_->path = path;
+    impl_->pulse = std::move(pulse);
     impl_->aside = path + ".tmp";
     const Handle list = access();
     impl_->file = H5Fcreate(impl_->aside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list);
@@ -90,6 +112,10 @@ void ArchiveWriter::fail(const std::string& what) const {
     throw std::runtime_error("E_IO: the checkpoint " + impl_->path + " " + what + why +
                              "; the sets before it are whole. Make room, or see that its folder "
                              "can be written, and resume from the last one.");
+}
+
+void ArchiveWriter::beat() const {
+    if (impl_->pulse) impl_->pulse();
 }
 
 void ArchiveWriter::reject(const std::string& path, std::size_t, std::size_t) {
@@ -112,14 +138,28 @@ void ArchiveWriter::store(const std::string& path, Number number, std::size_t ro
             throw std::logic_error("checkpoint: " + path + " is archived twice");
         fail("could not be written");
     }
-    if (rows > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-        fail("could not be written");
+    const std::size_t row_bytes = columns * H5Tget_size(type);
+    const std::size_t rows_at_once = std::max<std::size_t>(1, piece / row_bytes);
+    for (std::size_t first = 0; first < rows; first += rows_at_once) {
+        const hsize_t start[2] = {first, 0};
+        const hsize_t count[2] = {std::min(rows_at_once, rows - first), columns};
+        const Handle part(H5Screate_simple(columns == 1 ? 1 : 2, count, nullptr), H5Sclose);
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
+        const auto* from = static_cast<const char*>(values) + first * row_bytes;
+        if (H5Dwrite(set, type, part, space, H5P_DEFAULT, from) < 0) fail("could not be written");
+        beat();
+    }
+    // HDF5's own tables as well: at the end, all of them would be one long write
+    if (++impl_->stored % tables_at_once != 0) return;
+    if (H5Fflush(impl_->file, H5F_SCOPE_LOCAL) < 0) fail("could not be written");
+    beat();
 }
 
 WrittenFile ArchiveWriter::commit() {
     errno = 0;
     const bool flushed = H5Fflush(impl_->file, H5F_SCOPE_LOCAL) >= 0;
     const int why = errno;
+    beat();
     const bool closed = H5Fclose(impl_->file) >= 0;
     impl_->file = -1;
     if (!flushed || !closed) {
@@ -129,13 +169,13 @@ WrittenFile ArchiveWriter::commit() {
     WrittenFile written;
     written.name = name_of(impl_->path);
     const int fd = ::open(impl_->aside.c_str(), O_RDONLY);
-    const bool synced = fd >= 0 && ::fsync(fd) == 0;
     struct stat status {};
     if (fd >= 0) ::fstat(fd, &status);
+    const bool synced = fd >= 0 && sync_in_pieces(fd, status.st_size, impl_->pulse);
     if (fd >= 0) ::close(fd);
     if (!synced) fail("could not be written to the disk");
     written.bytes = status.st_size;
-    written.sha = sha256_of_file(impl_->aside);
+    written.sha = sha256_of_file(impl_->aside, impl_->pulse);
     if (std::rename(impl_->aside.c_str(), impl_->path.c_str()) != 0) fail("could not be renamed");
     impl_->aside.clear();
     if (!sync_folder(folder_of(impl_->path))) fail("could not be written to the disk");

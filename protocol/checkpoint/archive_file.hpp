@@ -7,6 +7,7 @@
 #include <string>
 
 #include "checkpoint/archive.hpp"
+#include "checkpoint/pulse.hpp"
 
 namespace undertow {
 
@@ -19,8 +20,9 @@ struct WrittenFile {
 class ArchiveWriter final : public Archive {
  public:
     /// Creates path.tmp; throws std::runtime_error (E_IO) here and below when the disk is full or
-    /// the folder cannot be written. What is not committed is removed.
-    explicit ArchiveWriter(const std::string& path);
+    /// the folder cannot be written. What is not committed is removed. The pulse is called between
+    /// pieces of some megabytes.
+    explicit ArchiveWriter(const std::string& path, Pulse pulse = {});
     ~ArchiveWriter() override;
     bool reading() const override { return false; }
 
@@ -34,6 +36,7 @@ class ArchiveWriter final : public Archive {
     void fetch(const std::string&, Number, std::size_t, std::size_t, void*) override {}
     [[noreturn]] void reject(const std::string& path, std::size_t, std::size_t) override;
     [[noreturn]] void fail(const std::string& what) const;
+    void beat() const;
 
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -90,7 +90,7 @@ Manifest read_manifest(const std::string& folder) {
 }
 
 std::string checked_file(const std::string& folder, const Manifest& manifest,
-                         const std::string& who) {
+                         const std::string& who, const Pulse& pulse) {
     const auto found = std::find_if(manifest.files.begin(), manifest.files.end(),
                                     [&](const Manifest::File& f) { return f.who == who; });
     if (found == manifest.files.end())
@@ -101,7 +101,7 @@ std::string checked_file(const std::string& folder, const Manifest& manifest,
     std::error_code missing;
     const auto bytes = fs::file_size(path, missing);
     if (missing) throw InputError(path + " is missing from its set; resume from another set.");
-    if ((file.bytes >= 0 && std::int64_t(bytes) != file.bytes) || sha256_of_file(path) != file.sha)
+    if ((file.bytes >= 0 && std::int64_t(bytes) != file.bytes) || sha256_of_file(path, pulse) != file.sha)
         throw InputError(path + " is not the file that the manifest of step " +
                          std::to_string(manifest.step) +
                          " names (another size or SHA-256): it was changed, damaged or taken from "
@@ -109,7 +109,8 @@ std::string checked_file(const std::string& folder, const Manifest& manifest,
     return path;
 }
 
-void prune_checkpoints(const std::string& results, const std::string& newest, int keep) {
+void prune_checkpoints(const std::string& results, const std::string& newest, int keep,
+                       const Pulse& pulse) {
     std::vector<std::pair<std::int64_t, fs::path>> sets;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(results + "/checkpoints", ignored)) {
@@ -129,6 +130,7 @@ void prune_checkpoints(const std::string& results, const std::string& newest, in
         // first it stops being a set, then it goes
         fs::remove(sets[k].second / "manifest.json", ignored);
         fs::remove_all(sets[k].second, ignored);
+        if (pulse) pulse();
     }
 }
 

@@ -29,12 +29,14 @@ void write_manifest(const std::string& folder, const Manifest& manifest);
 /// InputError when there is none, or when it cannot be understood.
 Manifest read_manifest(const std::string& folder);
 /// Path of the file of `who` in the set. InputError when the manifest does not know it, or its
-/// bytes are not those that were written.
+/// bytes are not those that were written. All are read: the pulse is called meanwhile.
 std::string checked_file(const std::string& folder, const Manifest& manifest,
-                         const std::string& who);
+                         const std::string& who, const Pulse& pulse = {});
 
 /// Removes the oldest sets beyond `keep`, and what is left of sets that were never finished; the
-/// set of `newest` stays. Failures are ignored: a set too many does no harm.
-void prune_checkpoints(const std::string& results, const std::string& newest, int keep);
+/// set of `newest` stays. Failures are ignored: a set too many does no harm. The pulse is called
+/// after each: to remove large files takes its time.
+void prune_checkpoints(const std::string& results, const std::string& newest, int keep,
+                       const Pulse& pulse = {});
 
 }  // namespace undertow

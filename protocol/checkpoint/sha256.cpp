@@ -76,14 +76,17 @@ std::string Sha256::hex() {
     return text;
 }
 
-std::string sha256_of_file(const std::string& path) {
+std::string sha256_of_file(const std::string& path, const Pulse& pulse) {
     std::FILE* file = std::fopen(path.c_str(), "rb");
     if (file == nullptr)
         throw std::runtime_error("E_IO: " + path + " cannot be read: " + std::strerror(errno));
     Sha256 sum;
     std::vector<char> buffer(1 << 20);
     std::size_t n;
-    while ((n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) sum.add({buffer.data(), n});
+    while ((n = std::fread(buffer.data(), 1, buffer.size(), file)) > 0) {
+        sum.add({buffer.data(), n});
+        if (pulse) pulse();
+    }
     const bool failed = std::ferror(file) != 0;
     std::fclose(file);
     if (failed) throw std::runtime_error("E_IO: " + path + " cannot be read to its end.");

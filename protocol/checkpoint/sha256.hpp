@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "checkpoint/pulse.hpp"
+
 namespace undertow {
 
 class Sha256 {
@@ -25,6 +27,6 @@ class Sha256 {
 };
 
 /// Throws std::runtime_error (E_IO) when the file cannot be read.
-std::string sha256_of_file(const std::string& path);
+std::string sha256_of_file(const std::string& path, const Pulse& pulse = {});
 
 }  // namespace undertow

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 #include "results/summary.hpp"
 #include "results/terminal_line.hpp"
@@ -29,7 +30,7 @@ std::string duration_text(double seconds) {
 }
 
 std::string line_text(const ProgressFigures& f, double particle_rate, double element_rate,
-                      double eta) {
+                      double eta, const std::string& kept) {
     const double share = std::clamp(f.t_end > 0 ? f.t / f.t_end : 1.0, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(share * bar_width);
     std::string text = fmt::format("[{}{}] {:3.0f} %  t {:.4g}/{:.4g} s  step {}  dt {:.2e}",
@@ -40,11 +41,15 @@ std::string line_text(const ProgressFigures& f, double particle_rate, double ele
     if (element_rate > 0) text += fmt::format("  {:.2f} M element-steps/s", element_rate / 1e6);
     if (!f.waiting.empty()) text += "  " + f.waiting;
     if (f.force >= 0) text += fmt::format("  F {:.3g} N", f.force);
+    text += kept;
+    if (!f.doing.empty()) text += "  " + f.doing;
     return eta > 0 ? text + "  ETA " + duration_text(eta) : text;
 }
 
-void write_status(const std::string& path, const char* state, const ProgressFigures& f,
-                  double particle_rate, double element_rate, double wall, double eta) {
+}  // namespace
+
+void ProgressLine::write_status(const char* state, const ProgressFigures& f, double particle_rate,
+                                double element_rate, double wall, double eta) const {
     Summary status;
     status.set("state", state);
     status.set("pid", static_cast<std::int64_t>(getpid()));
@@ -59,10 +64,14 @@ void write_status(const std::string& path, const char* state, const ProgressFigu
     status.set("element_steps_per_s", element_rate);
     if (f.force >= 0) status.set("force_N", f.force);
     status.set("waiting", f.waiting);
-    status.write(path);
+    if (!f.doing.empty()) status.set("doing", f.doing);
+    if (!kept_.empty()) {
+        status.set("checkpoint.folder", kept_);
+        status.set("checkpoint.t", kept_t_);
+        status.set("checkpoint.written_at", kept_at_);
+    }
+    status.write(status_file_);
 }
-
-}  // namespace
 
 ProgressLine::ProgressLine(bool quiet, std::string status_file)
     : quiet_(quiet),
@@ -76,21 +85,51 @@ ProgressLine::~ProgressLine() {
     if (!quiet_) end_terminal_line();
 }
 
+bool ProgressLine::line_due(double now) const {
+    return !quiet_ && now - last_line_ >= (terminal_ ? terminal_every : log_every);
+}
+
+bool ProgressLine::status_due(double now) const {
+    return !status_file_.empty() && now - last_status_ >= status_every;
+}
+
+bool ProgressLine::due() const {
+    const double now = wall_clock();
+    return line_due(now) || status_due(now);
+}
+
 void ProgressLine::update(const ProgressFigures& figures) {
     const double now = wall_clock();
-    const bool line_due = !quiet_ && now - last_line_ >= (terminal_ ? terminal_every : log_every);
-    const bool status_due = !status_file_.empty() && now - last_status_ >= status_every;
-    if (!line_due && !status_due) return;
+    show(figures, now, line_due(now), status_due(now));
+}
+
+void ProgressLine::update_now(const ProgressFigures& figures) {
+    show(figures, wall_clock(), !quiet_ && terminal_, !status_file_.empty());
+}
+
+void ProgressLine::kept(std::string folder, double t) {
+    kept_ = std::move(folder);
+    kept_t_ = t;
+    kept_at_ = std::time(nullptr);
+}
+
+void ProgressLine::show(const ProgressFigures& figures, double now, bool line, bool status) {
+    if (!line && !status) return;
     measure(figures, now);
-    if (line_due) {
-        show_terminal_line(line_text(figures, particle_rate_, element_rate_, eta_));
+    if (line) {
+        show_terminal_line(line_text(figures, particle_rate_, element_rate_, eta_, kept_text()));
         last_line_ = now;
     }
-    if (status_due) {
-        write_status(status_file_, "running", figures, particle_rate_, element_rate_, now - start_,
-                     eta_);
+    if (status) {
+        write_status("running", figures, particle_rate_, element_rate_, now - start_, eta_);
         last_status_ = now;
     }
+}
+
+std::string ProgressLine::kept_text() const {
+    if (kept_.empty()) return {};
+    return fmt::format("  kept t {:.4g} s, {} ago", kept_t_,
+                       duration_text(double(std::time(nullptr) - kept_at_)));
 }
 
 void ProgressLine::measure(const ProgressFigures& figures, double now) {
@@ -117,11 +156,11 @@ void ProgressLine::finish(const ProgressFigures& figures) {
     const double particle_rate = figures.particle_steps / wall;
     const double element_rate = figures.element_steps / wall;
     if (!quiet_) {
-        show_terminal_line(line_text(figures, particle_rate, element_rate, 0));
+        show_terminal_line(line_text(figures, particle_rate, element_rate, 0, kept_text()));
         end_terminal_line();
     }
     if (!status_file_.empty())
-        write_status(status_file_, figures.t < figures.t_end ? "interrupted" : "finished", figures,
+        write_status(figures.t < figures.t_end ? "interrupted" : "finished", figures,
                      particle_rate, element_rate, wall, 0);
 }
 

@@ -16,6 +16,7 @@ struct ProgressFigures {
     double element_steps = 0;        // done so far, 0 = not shown
     double force = -1;               // [N] contact force, < 0 = not shown
     std::string waiting;             // "sph 83 % fem 4 % coupler 9 %": who is busy, who waits for whom
+    std::string doing{};             // "writing step_000001200": what holds the steps up
 };
 
 class ProgressLine {
@@ -24,13 +25,25 @@ class ProgressLine {
     /// second) for `undertow status`; empty = none.
     ProgressLine(bool quiet, std::string status_file);
     ~ProgressLine();
-    /// Cheap when nothing is due (one clock read).
+    /// Whether the line or the status is to be renewed: one clock read.
+    bool due() const;
+    /// Nothing when nothing is due.
     void update(const ProgressFigures& figures);
+    /// In any case: before something that takes long.
+    void update_now(const ProgressFigures& figures);
+    /// The last checkpoint: its folder within the results, its time [s]. Shown from now on.
+    void kept(std::string folder, double t);
     /// Ends the line, so that the next output starts on its own.
     void finish(const ProgressFigures& figures);
 
  private:
+    bool line_due(double now) const;
+    bool status_due(double now) const;
+    void show(const ProgressFigures& figures, double now, bool line, bool status);
     void measure(const ProgressFigures& figures, double now);
+    std::string kept_text() const;
+    void write_status(const char* state, const ProgressFigures& figures, double particle_rate,
+                      double element_rate, double wall, double eta) const;
 
     bool quiet_, terminal_;
     std::string status_file_;
@@ -39,6 +52,9 @@ class ProgressLine {
     double particle_rate_ = 0, element_rate_ = 0;                     // [1/s] smoothed
     double eta_ = std::numeric_limits<double>::infinity();            // [s]
     double last_t_ = 0, last_wall_ = 0, last_particle_steps_ = 0, last_element_steps_ = 0;
+    std::string kept_;                                                // folder; empty = none yet
+    double kept_t_ = 0;                                               // [s]
+    std::int64_t kept_at_ = 0;                                        // [s] since 1970
 };
 
 }  // namespace undertow

@@ -24,6 +24,7 @@ namespace {
 
 constexpr double error_linger = 0.5;       // [s] for ERROR to leave; then the program ends anyway
 constexpr double on_its_way = 0.01;         // [s] for a message whose bell has been heard
+constexpr double tell_every = 0.1;          // of the deadline, that the coupler is busy
 constexpr double stranger_patience = 0.2;  // [s] for a refusal to who is not part of the run
 
 std::uint64_t draw_session() {
@@ -69,6 +70,7 @@ struct Host::Impl {
     bool shared_memory = false;  // the data plane is in use
     Frames frames;               // of a message that goes by a segment
     std::vector<Segment::Ring> rings;
+    std::chrono::steady_clock::time_point last_told{};  // that the coupler is busy
     std::uint64_t segment_bytes_sent = 0, segment_bytes_received = 0;
 
     // ---------------------------------------------------------------- errors
@@ -467,6 +469,16 @@ void Host::send(std::size_t participant, Message&& message) {
 void Host::broadcast_error(const std::string& code, const std::string& text,
                            const std::string& who) noexcept {
     impl_->tell_all(code, text, who);
+}
+
+void Host::still_busy(const std::string& doing) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> passed = now - impl_->last_told;
+    if (passed.count() < tell_every * impl_->options.deadline) return;
+    impl_->last_told = now;
+    for (Seat& seat : impl_->seats)
+        if (seat.waits_for_us())
+            impl_->post(seat, Progress{0, seat.session.step(), 0, doing});
 }
 
 void Host::finish(std::int64_t n, const std::string& reason) {

@@ -80,6 +80,10 @@ class Host {
     void broadcast_error(const std::string& code, const std::string& text,
                          const std::string& who) noexcept;
 
+    /// Called every now and then in long work of the coupler's own: a PROGRESS to all who wait for
+    /// it, once a tenth of the deadline has passed since the last one.
+    void still_busy(const std::string& doing);
+
     /// FINISH to all, waits for every BYE (at most deadline).
     void finish(std::int64_t n, const std::string& reason);
 

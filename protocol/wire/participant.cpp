@@ -22,6 +22,7 @@ namespace {
 
 constexpr double finish_linger = 2.0;  // [s] for BYE to leave
 constexpr double on_its_way = 0.01;    // [s] for a message whose bell has been heard
+constexpr double tell_every = 0.1;     // of the deadline, that this program is busy
 constexpr double error_linger = 0.5;   // [s] for ERROR to leave; then the program ends anyway
 
 using Clock = std::chrono::steady_clock;
@@ -61,6 +62,7 @@ struct Participant::Impl {
     std::unique_ptr<Segment> segment;  // the data plane, if both sides have it
     bool by_segment = false;           // the last message went by it, and the answer may come by it
     double waited = 0;   // [s]
+    Clock::time_point last_word = Clock::now();  // to the coupler
     bool preparing = true;  // no step yet: a wish to stop ends the run at once
     bool ended = false;  // one of the two sides has reported an error, or BYE has been said
 
@@ -77,6 +79,7 @@ struct Participant::Impl {
         const MessageType type = type_of(message);
         if (type == MessageType::state || type == MessageType::probe) preparing = false;
         if (replay) return compare(message);
+        last_word = Clock::now();
         if (post_by_segment(message)) return;
         switch (channel->send(std::move(message), {}, patience())) {
             case Sent::yes:
@@ -330,6 +333,12 @@ void Participant::send(CheckpointAck ack) {
 
 void Participant::send(const Progress& progress) {
     impl_->post(progress);
+}
+
+void Participant::still_busy(const std::string& doing) {
+    if (impl_->replay || seconds_since(impl_->last_word) < tell_every * impl_->welcome.deadline)
+        return;
+    impl_->post(Progress{0, impl_->session.step(), 0, doing});
 }
 
 void Participant::wait_reply(StepReply& reply) {

@@ -69,6 +69,9 @@ class Participant {
     void send(Probe probe);
     void send(CheckpointAck ack);
     void send(const Progress& progress);
+    /// Called every now and then in long work between two messages: a PROGRESS, once a tenth of the
+    /// deadline has passed without a word.
+    void still_busy(const std::string& doing);
 
     /// Waits for the answer to the last STATE or PROBE, at most welcome().deadline seconds.
     /// Checks session, step number, shape (f has as many rows as the state had) and finiteness.

@@ -187,10 +187,21 @@ def status(arguments):
             eta = figures.get("eta_s")
             say(f"{shown(folder)}: {state}, {share:.0f} %, t = {figures['t']:.4g} of {figures['t_end']:.4g} s, "
                 f"step {figures['step']:,}, dt {figures['dt']:.2e} s ({figures['limiter']})"
-                + (f", ETA {eta:.0f} s" if state == "running" and eta is not None else ""))
+                + (f", ETA {eta:.0f} s" if state == "running" and eta is not None else "")
+                + (f", {figures['doing']}" if state == "running" and figures.get("doing") else "")
+                + last_checkpoint(figures.get("checkpoint")))
         if not arguments.watch or figures is None or state != "running":
             return DONE
         time.sleep(1)
+
+
+def last_checkpoint(kept):
+    """Time, age and folder of the set that a resume would go on from."""
+    if not kept:
+        return ""
+    age = max(0, time.time() - kept["written_at"])
+    words = f"{age:.0f} s" if age < 100 else f"{age / 60:.0f} min" if age < 6000 else f"{age / 3600:.1f} h"
+    return f"; last checkpoint at t = {kept['t']:.4g} s, {words} ago ({kept['folder']})"
 
 
 def process_lives(pid):
