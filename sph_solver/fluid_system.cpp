@@ -56,7 +56,7 @@ double widest_of(const PairPhysics& p) {
 
 }  // namespace
 
-FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
+FluidSystem::FluidSystem(const Case& input, double skin_over_spacing, Begin begin)
     : physics_(resolve_physics(input)),
       gravity_(input.info.gravity),
       tag_(physics_.mixed()),
@@ -108,7 +108,7 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing)
                     "\"{}\": its normal must point into the fluid.", input.file, particles.x[i],
                     particles.y[i], particles.z[i], mirror_.plane(k).name));
     }
-    if (input.sph.lattice == FillLattice::relaxed) {
+    if (input.sph.lattice == FillLattice::relaxed && begin == Begin::anew) {
         relaxation_ = relax(*this, input);
         for (std::size_t i = 0; i < particles.size(); ++i)
             particles.p[i] = fluid_of(i).pressure(particles.drho[i], particles.energy[i]);

@@ -8,6 +8,9 @@ from scenes import Restart
 class Fluid(Restart):
     program = "sph_solver"
 
+    def said_of(self, run):
+        return (run.out / "sph_solver.log").read_text()
+
     def figures(self, run):
         return json.loads((run.out / "summary.sph.json").read_text())["sph"]
 
@@ -29,7 +32,11 @@ class Fluid(Restart):
         self.check("fluid.toml", "--with", "sizes", every=0.037)
 
     def test_a_slide_that_is_let_go(self):
-        self.check("fluid.toml", "--with", "slide", every=0.037)
+        run = self.check("fluid.toml", "--with", "slide", every=0.037)
+        self.assertEqual(self.said_of(run).count("relaxed start"), 1)
+        cut = self.new("fluid.toml", "--with", "slide").go("--set", "checkpoint.every=0.2")
+        cut.resume(cut.sets()[-1])
+        self.assertEqual(self.said_of(cut).count("relaxed start"), 1, "relaxed again on resume")
 
     def test_a_stream_through_openings_and_a_beach(self):
         whole = self.check("fluid.toml", "--with", "stream", every=0.037)

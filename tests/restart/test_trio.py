@@ -6,32 +6,13 @@ import subprocess
 import time
 import unittest
 
-from scenes import ENVIRONMENT, Restart
+import h5py
+
+from scenes import ENVIRONMENT
+from trios import Trios
 
 
-class Trio(Restart):
-    program = "coupler"
-
-    def trio(self, *options, case="trio.toml"):
-        """A run of scripts/undertow with these options."""
-        run = self.new(case, *options)
-        run.go_on = lambda *more, code=0: self.tool("resume", run.out, *more, code=code)
-        self.tool("run", run.case, "--out", run.out, "--threads", 1, *options)
-        return run
-
-    def check_trio(self, *options):
-        whole = self.trio(*options)
-        cut = self.trio(*options, "--set", "checkpoint.every=0.0073", "--set", "checkpoint.keep=100")
-        with self.subTest("checkpoints change nothing"):
-            whole.must_equal(cut)
-        sets = cut.sets()
-        self.assertGreater(len(sets), 5)
-        for k, threads in ((0, 1), (len(sets) // 2, 2), (len(sets) - 1, 1)):
-            cut.go_on("--from", sets[k].name, "--threads", threads)
-            with self.subTest(resumed=sets[k].name, threads=threads):
-                whole.must_equal(cut)
-        return whole, cut
-
+class Trio(Trios):
     def test_mud_and_water_on_a_plate(self):
         whole, cut = self.check_trio()
         self.assertGreater(whole.column("energy.interface.csv", "contacts")[-1], 0)
@@ -42,6 +23,22 @@ class Trio(Restart):
 
     def test_mud_and_water_on_shells(self):
         self.check_trio("--with", "shells")
+
+    def test_under_the_static_pressure_of_water(self):
+        whole, _ = self.check_trio("--with", "under_water")
+        without = self.trio()
+        self.assertNotEqual(whole.column("fem.history.csv", "center"),
+                            without.column("fem.history.csv", "center"))
+
+    def test_a_fluid_that_comes_back_where_it_leaves(self):
+        whole, _ = self.check_trio("--with", "periodic")
+        self.assertGreater(whole.column("energy.interface.csv", "friction")[-1], 0)
+        with h5py.File(whole.out / "sph.vtkhdf") as file:
+            offset = file["VTKHDF/Steps/PointOffsets"][:]
+            x, name = file["VTKHDF/Points"][:, 0], file["VTKHDF/PointData/id"][:]
+        last = dict(zip(name[offset[-1]:], x[offset[-1]:]))
+        passed = sum(last[k] < at for k, at in zip(name[:offset[1]], x[:offset[1]]))
+        self.assertGreater(passed, 50, "who has passed the seam is behind where it began")
 
     def test_sigterm_then_resume(self):
         whole = self.trio()
