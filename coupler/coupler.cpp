@@ -248,8 +248,7 @@ void Coupler::record(const AgreedStep& step) {
 
 /// For the live line; made only when it is due.
 ProgressFigures Coupler::live(std::string doing) const {
-    ProgressFigures figures =
-        figures_->live(step_, participants_, *recorder_, input_.time.end);
+    ProgressFigures figures = figures_->live(step_, participants_, *recorder_, input_.time.end);
     figures.doing = std::move(doing);
     return figures;
 }

@@ -54,8 +54,9 @@ enum class Begin { anew, resumed };
 class FluidSystem {
  public:
     /// skin_over_spacing: how far the neighbor lists reach beyond the support. Flat optimum of list
-    /// length against rebuilds: 0.2 where a step moves a particle by a thousandth of the spacing, 0.4
-    /// where the fluid takes its own acoustic step. A relaxed start is found only where it begins anew.
+    /// length against rebuilds: 0.2 where a step moves a particle by a thousandth of the spacing,
+    /// 0.4 where the fluid takes its own acoustic step. A relaxed start is found only where it
+    /// begins anew.
     FluidSystem(const Case& input, double skin_over_spacing, Begin begin = Begin::anew);
 
     // ---- the operations of a step, in order of use

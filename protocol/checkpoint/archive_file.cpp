@@ -63,10 +63,9 @@ constexpr int tables_at_once = 16;
 /// On the disk, piece by piece: one fsync() of all could take longer than others wait.
 bool sync_in_pieces(int fd, off_t size, const Pulse& pulse) {
     for (off_t at = 0; at < size; at += off_t(piece)) {
-        const bool refused =
-            ::sync_file_range(fd, at, off_t(piece),
-                              SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE |
-                                  SYNC_FILE_RANGE_WAIT_AFTER) != 0;
+        const bool refused = ::sync_file_range(fd, at, off_t(piece),
+                                               SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE |
+                                                   SYNC_FILE_RANGE_WAIT_AFTER) != 0;
         // elsewhere than on a disk of this machine there is no such call: fsync() alone decides
         if (refused && errno != ENOSYS && errno != EINVAL && errno != ESPIPE) return false;
         if (pulse) pulse();

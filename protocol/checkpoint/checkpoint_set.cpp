@@ -101,7 +101,8 @@ std::string checked_file(const std::string& folder, const Manifest& manifest,
     std::error_code missing;
     const auto bytes = fs::file_size(path, missing);
     if (missing) throw InputError(path + " is missing from its set; resume from another set.");
-    if ((file.bytes >= 0 && std::int64_t(bytes) != file.bytes) || sha256_of_file(path, pulse) != file.sha)
+    if ((file.bytes >= 0 && std::int64_t(bytes) != file.bytes) ||
+        sha256_of_file(path, pulse) != file.sha)
         throw InputError(path + " is not the file that the manifest of step " +
                          std::to_string(manifest.step) +
                          " names (another size or SHA-256): it was changed, damaged or taken from "

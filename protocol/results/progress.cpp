@@ -160,8 +160,8 @@ void ProgressLine::finish(const ProgressFigures& figures) {
         end_terminal_line();
     }
     if (!status_file_.empty())
-        write_status(figures.t < figures.t_end ? "interrupted" : "finished", figures,
-                     particle_rate, element_rate, wall, 0);
+        write_status(figures.t < figures.t_end ? "interrupted" : "finished", figures, particle_rate,
+                     element_rate, wall, 0);
 }
 
 }  // namespace undertow

@@ -52,9 +52,9 @@ class ProgressLine {
     double particle_rate_ = 0, element_rate_ = 0;                     // [1/s] smoothed
     double eta_ = std::numeric_limits<double>::infinity();            // [s]
     double last_t_ = 0, last_wall_ = 0, last_particle_steps_ = 0, last_element_steps_ = 0;
-    std::string kept_;                                                // folder; empty = none yet
-    double kept_t_ = 0;                                               // [s]
-    std::int64_t kept_at_ = 0;                                        // [s] since 1970
+    std::string kept_;          // folder; empty = none yet
+    double kept_t_ = 0;         // [s]
+    std::int64_t kept_at_ = 0;  // [s] since 1970
 };
 
 }  // namespace undertow

@@ -477,8 +477,7 @@ void Host::still_busy(const std::string& doing) {
     if (passed.count() < tell_every * impl_->options.deadline) return;
     impl_->last_told = now;
     for (Seat& seat : impl_->seats)
-        if (seat.waits_for_us())
-            impl_->post(seat, Progress{0, seat.session.step(), 0, doing});
+        if (seat.waits_for_us()) impl_->post(seat, Progress{0, seat.session.step(), 0, doing});
 }
 
 void Host::finish(std::int64_t n, const std::string& reason) {
