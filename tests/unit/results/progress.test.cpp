@@ -40,3 +40,25 @@ TEST_CASE("the status file tells where a run stands and when it will end") {
     CHECK(finished["state"] == "finished");
     CHECK(finished["eta_s"] == 0);
 }
+
+TEST_CASE("the status tells what holds the steps up, and the last checkpoint from then on") {
+    read_back::Folder folder;
+    const std::string path = folder.file("status.json");
+    ProgressLine line(true, path);
+    ProgressFigures figures;
+    line.update(figures);
+    CHECK_FALSE(line.due());  // once a second
+    figures.doing = "writing step_000000047";
+    line.update_now(figures);
+    const auto writing = nlohmann::json::parse(read_back::text(path));
+    CHECK(writing["doing"] == "writing step_000000047");
+    CHECK_FALSE(writing.contains("checkpoint"));
+
+    line.kept("checkpoints/step_000000047", 0.25);
+    figures.doing.clear();
+    line.finish(figures);
+    const auto finished = nlohmann::json::parse(read_back::text(path));
+    CHECK_FALSE(finished.contains("doing"));
+    CHECK(finished["checkpoint"]["folder"] == "checkpoints/step_000000047");
+    CHECK(finished["checkpoint"]["t"] == 0.25);
+}
