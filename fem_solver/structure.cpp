@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem_solver/contact_pairs/springs.hpp"
 #include "fem_solver/elements/corners.hpp"
 #include "fem_solver/physics/largest_frequency.hpp"
 #include "wire/errors.hpp"
@@ -80,7 +81,8 @@ Structure::Structure(Model model, int threads)
 constexpr double most_for_impacts = 0.76;
 
 /// What elements and coupler leave of the stability budget 4 goes to contact inside the mesh:
-/// 4 (1 - cfl^2) at a node, less what the coupler takes at its own; a rigid body has no elements.
+/// 4 (1 - cfl^2) at a node, less what the coupler takes at its own, divided among the contacts that
+/// meet there. On a rigid body no element hangs; what it lends is divided by load_on_body().
 ContactBudget Structure::budget_of(const ContactSet& set) const {
     const double room = 4 * (1 - model_.cfl * model_.cfl);
     const auto share = [&](double most, std::int32_t n) {
@@ -88,21 +90,23 @@ ContactBudget Structure::budget_of(const ContactSet& set) const {
         const bool is_coupled = std::binary_search(coupled.begin(), coupled.end(), n);
         return most - (is_coupled ? model_.coupled_share : 0);
     };
-    ContactBudget budget{std::min(stable_.dt, model_.max_step), {}, 4};
+    const std::vector<int> contacts = contacts_at_nodes();
+    ContactBudget budget{std::min(stable_.dt, model_.max_step), {}, most_for_impacts};
     for (std::int32_t n : set.nodes)
-        budget.share.push_back(std::min(most_for_impacts, share(room, n)));
-    const bool on_body = set.body >= 0;
-    for (const Quad& q : set.surface)
-        for (std::int32_t n : q)
-            if (on_body || nodes_.mass[n] > 0)
-                budget.surface_share =
-                    std::min(budget.surface_share, share(on_body ? 4 : room, n));
-    if (on_body) {  // shared among the contacts of the body; any of its nodes may be coupled
-        for (std::int32_t n : model_.rigid[set.body].nodes)
+        budget.share.push_back(std::min(most_for_impacts, share(room, n)) / contacts[n]);
+    if (set.body < 0) {
+        for (const Quad& q : set.surface)
+            for (std::int32_t n : q)
+                if (nodes_.mass[n] > 0)
+                    budget.surface_share = std::min(
+                        budget.surface_share,
+                        std::min(most_for_impacts, share(room, n)) / contacts[n]);
+    } else {
+        const RigidBody& body = bodies_[set.body];
+        for (std::int32_t n : body.set().nodes)  // any of its nodes may be coupled
             budget.surface_share = std::min(budget.surface_share, share(4, n));
-        budget.surface_share /= double(std::count_if(
-            model_.contacts.begin(), model_.contacts.end(),
-            [&](const ContactSet& other) { return other.body == set.body; }));
+        for (const ContactSet& other : model_.contacts)
+            if (other.body == set.body) budget.body_load += load_on_body(other, nodes_, body);
     }
     const double least = std::min(
         budget.surface_share, *std::min_element(budget.share.begin(), budget.share.end()));
@@ -114,10 +118,25 @@ ContactBudget Structure::budget_of(const ContactSet& set) const {
     return budget;
 }
 
+/// Of each node, the number of contacts whose nodes or whose deformable surface it belongs to.
+std::vector<int> Structure::contacts_at_nodes() const {
+    std::vector<int> contacts(nodes_.size(), 0), last(nodes_.size(), -1);
+    for (std::size_t c = 0; c < model_.contacts.size(); ++c) {
+        const auto count = [&](std::int32_t n) {
+            if (last[n] != int(c)) ++contacts[n];
+            last[n] = int(c);
+        };
+        for (std::int32_t n : model_.contacts[c].nodes) count(n);
+        for (const Quad& q : model_.contacts[c].surface)
+            for (std::int32_t n : q) count(n);
+    }
+    return contacts;
+}
+
 void Structure::make_pairs() {
     stable_step();
     for (const ContactSet& set : model_.contacts)
-        pairs_.emplace_back(set, nodes_, bodies_, budget_of(set), threads_);
+        pairs_.emplace_back(set, nodes_, budget_of(set), threads_);
     // Over-closures that meet the stresses and weights of the start, so that nothing jumps.
     elements_.step(nodes_, 0, threads_);
     pressure_forces(0);

@@ -152,6 +152,7 @@ class Structure {
     void find_frequency();
     void make_pairs();
     ContactBudget budget_of(const ContactSet& set) const;
+    std::vector<int> contacts_at_nodes() const;
     void pair_forces();
     void kick_bodies(const Kick& step);
 

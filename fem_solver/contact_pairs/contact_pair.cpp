@@ -1,10 +1,12 @@
 #include "fem_solver/contact_pairs/contact_pair.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "checkpoint/archive.hpp"
+#include "fem_solver/contact_pairs/springs.hpp"
 #include "fem_solver/contact_pairs/touched_surface.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
@@ -14,18 +16,17 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double stiffness_factor = 10;  // k h/(E A): the spring yields a tenth of the element
-
-// Share of critical damping along the normal: enough to quiet the flutter of a sliding elastic body
-// and the chatter of its nodes; friction has none, so nothing creeps.
-constexpr double damping_ratio = 0.1;
-
 // A node that far from the surface, in gaps, still counts as touching in the mesh: at the corner of
 // a tip the distance is sqrt(2) gaps.
 constexpr double near_in_gaps = 1.5;
 
-// Search skin in gaps: candidates stay few, and a slow body is searched for seldom.
-constexpr double skin_in_gaps = 0.5;
+// A node nearer to the plane of a facet than this share of its distance lies beyond the rim
+// (TouchedSurface::touch).
+constexpr double least_along = 0.7;
+
+// Nodes are kept in sight that far from the surface, in gaps, unless the case says otherwise
+// (`near`): until node and surface have moved by what it exceeds near_in_gaps, no search is needed.
+constexpr double sight_in_gaps = 2;
 
 Vector vector(const NodeRow& row) {
     return Vector(row.c[0], row.c[1], row.c[2]);
@@ -73,7 +74,7 @@ struct ContactPair::State {
 
     ContactTotals totals;
     double stored = 0, stored_from = 0, slipped = 0, damped = 0;  // [J]
-    double softest = stiffness_factor;
+    double softest = contact_stiffness_factor;
 
     State(ContactSet s, const Nodes& nodes, int n_threads)
         : set(std::move(s)),
@@ -83,21 +84,19 @@ struct ContactPair::State {
           toucher(set.nodes.size()),
           threads(n_threads) {}
 
-    double skin() const { return skin_in_gaps * set.gap; }
+    double sight() const { return set.near > 0 ? set.near : sight_in_gaps * set.gap; }  // [m]
+    double skin() const { return sight() - near_in_gaps * set.gap; }
     void gather(const Nodes& nodes);
     void widen(double dt);
     void search();
-    bool is_stale() const;
+    double moved() const;
+    bool is_out_of_reach(std::size_t i, double moved) const;
     void find_start(const Nodes& nodes);
     double surface_yields(const Nodes& nodes) const;
-    std::vector<double> stiffness_at(double s, const std::vector<double>& omega,
-                                     const std::vector<double>& yields, const RigidBody* body,
-                                     const ContactBudget& budget) const;
     double largest_load() const;
-    void set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
-                       const ContactBudget& budget);
+    void set_stiffness(const Nodes& nodes, const ContactBudget& budget);
     bool find_touch(std::size_t i);
-    void evaluate_node(std::size_t i, const Vector& turn_rate, double dt);
+    void evaluate_node(std::size_t i, const Vector& turn_rate, double dt, double moved);
 };
 
 void ContactPair::State::gather(const Nodes& nodes) {
@@ -106,8 +105,8 @@ void ContactPair::State::gather(const Nodes& nodes) {
         for (int d = 0; d < 3; ++d) x[3 * i + d] = nodes.x[set.nodes[i]].c[d];
 }
 
-/// Candidates stay complete while node and surface together have moved by less than the skin.
-bool ContactPair::State::is_stale() const {
+/// [m] by node and surface together since the search; candidates stay complete up to the skin.
+double ContactPair::State::moved() const {
     const auto largest = [](std::span<const double> now, const std::vector<double>& then) {
         double squared = 0;
         for (std::size_t i = 0; i < then.size(); i += 3) {
@@ -117,7 +116,18 @@ bool ContactPair::State::is_stale() const {
         }
         return std::sqrt(squared);
     };
-    return largest(x, x_searched) + largest(surface.facets().x(), surface_searched) > skin();
+    return largest(x, x_searched) + largest(surface.facets().x(), surface_searched);
+}
+
+/// Whether a node that was before the surface cannot have come within its reach. A touch's distance
+/// is measured along the surface's own normal, 0.7 of the straight line at least, less the bulge.
+bool ContactPair::State::is_out_of_reach(std::size_t i, double moved) const {
+    const Toucher& t = toucher[i];
+    if (t.has_touch) return false;
+    float nearest = std::numeric_limits<float>::infinity();
+    for (std::uint32_t c = first[i]; c < last[i]; ++c)
+        nearest = std::min(nearest, found.distance[c]);
+    return least_along * (nearest - moved) - surface.largest_bulge() > t.reach;
 }
 
 /// Nodes pressed behind the surface stay in reach, and those that a step takes there come into it:
@@ -185,11 +195,13 @@ void ContactPair::State::find_start(const Nodes& nodes) {
         t.near_at_start = true;
         ++near;
     }
-    if (near == 0)
-        throw InputError(
-            "fem.contact \"" + set.name +
-            "\": no node of \"nodes\" is within 1.5 gaps (gap = " + number_text(set.gap) +
-            " m) of \"surface\"; check the sets, the gap and the surface's normals.");
+    if (near == 0 && (set.near == 0 || found.row.empty()))
+        throw InputError("fem.contact \"" + set.name + "\": no node of \"nodes\" is within " +
+                         (set.near > 0 ? "near = " + number_text(set.near) + " m"
+                                       : "1.5 gaps (gap = " + number_text(set.gap) + " m)") +
+                         " of \"surface\"; check the sets, the gap and the surface's normals. "
+                         "Bodies that start apart and meet later need near, the distance in m "
+                         "within which nodes are kept in sight, beyond where they start.");
 }
 
 /// Largest sum of the weights of feet on one node of the surface, and one for feet to come.
@@ -210,71 +222,35 @@ double ContactPair::State::surface_yields(const Nodes& nodes) const {
     return largest_load() * yields;
 }
 
-/// Stiffness when the nodes take the share s of (u_s - u_m)^2, the body the rest.
-std::vector<double> ContactPair::State::stiffness_at(double s, const std::vector<double>& omega,
-                                                     const std::vector<double>& yields,
-                                                     const RigidBody* body,
-                                                     const ContactBudget& budget) const {
-    const std::size_t n = set.nodes.size();
-    std::vector<double> k(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        k[i] = stiffness_factor * set.stiffness[i];
-        if (yields[i] > 0) k[i] = std::min(k[i], s * omega[i] * omega[i] / yields[i]);
-    }
-    if (!body) return k;
-    std::vector<Vec3> at(n);
-    for (std::size_t i = 0; i < n; ++i) at[i] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
-    const double slowest = *std::min_element(omega.begin(), omega.end());
-    const double with_damping = 1 + 4 * damping_ratio / (slowest * budget.dt);
-    const double allowed = (1 - s) * budget.surface_share / (budget.dt * budget.dt * with_damping);
-    const double omega2 = body->omega2_on_springs(at, k);
-    if (omega2 > allowed)
-        for (double& stiffness : k) stiffness *= allowed / omega2;
-    return k;
-}
-
-void ContactPair::State::set_stiffness(const Nodes& nodes, const std::vector<RigidBody>& bodies,
-                                       const ContactBudget& budget) {
+void ContactPair::State::set_stiffness(const Nodes& nodes, const ContactBudget& budget) {
     dt_limit = budget.dt;
-    const RigidBody* body = set.body >= 0 ? &bodies[set.body] : nullptr;
     const std::size_t n = set.nodes.size();
-    const double of_surface = body ? 0 : surface_yields(nodes);
-    std::vector<double> omega(n), yields(n, of_surface);
+    const double of_facets = set.body >= 0 ? 0 : surface_yields(nodes);
+    std::vector<double> yields(n), share(n);
     for (std::size_t i = 0; i < n; ++i) {
-        // beta + 2 eta = share, beta = (omega dt)^2, eta = 2 zeta omega dt
-        const double share =
-            body ? budget.share[i] : std::min(budget.share[i], budget.surface_share);
-        omega[i] =
-            (std::sqrt(4 * damping_ratio * damping_ratio + share) - 2 * damping_ratio) / budget.dt;
-        double of_node = 0;
         for (int d = 0; d < 3; ++d)
-            of_node = std::max(of_node, nodes.inverse_mass[set.nodes[i]].c[d]);
-        yields[i] += of_node;
+            yields[i] = std::max(yields[i], nodes.inverse_mass[set.nodes[i]].c[d]);
+        yields[i] += set.body >= 0 ? budget.body_load / set.area[i] : of_facets;
+        share[i] = std::min(budget.share[i], budget.surface_share);
     }
-    std::vector<double> best;
-    double stiffest = -1;
-    for (int tenths = 1; tenths <= (body ? 9 : 1); ++tenths) {
-        const std::vector<double> k =
-            stiffness_at(body ? 0.1 * tenths : 1.0, omega, yields, body, budget);
-        double sum = 0;
-        for (double stiffness : k) sum += stiffness;
-        if (sum <= stiffest) continue;
-        stiffest = sum;
-        best = k;
-    }
+    const std::vector<ContactSpring> springs =
+        make_contact_springs(set, yields, share, budget.dt);
     for (std::size_t i = 0; i < n; ++i) {
-        toucher[i].k = best[i];
-        toucher[i].damping = 2 * damping_ratio * best[i] / omega[i];
-        softest = std::min(softest, best[i] / set.stiffness[i]);
+        toucher[i].k = springs[i].k;
+        toucher[i].damping = springs[i].damping;
+        softest = std::min(softest, springs[i].k / set.stiffness[i]);
     }
 }
 
-/// Forces of node i from the springs; `turn_rate` [rad/s] of a rigid surface.
-void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, double dt) {
+/// Forces of node i from the springs; `turn_rate` [rad/s] of a rigid surface, `moved` [m] since the
+/// search.
+void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, double dt,
+                                       double moved) {
     Toucher& t = toucher[i];
     t.slips = false;
     t.slipped = t.damped = 0;
-    const bool touches = find_touch(i) && t.touch.distance < t.reach;
+    const bool touches =
+        !is_out_of_reach(i, moved) && find_touch(i) && t.touch.distance < t.reach;
     if (!touches) {
         t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
         t.has_touch = false;
@@ -315,11 +291,11 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     t.friction = now;
 }
 
-ContactPair::ContactPair(ContactSet set, const Nodes& nodes, const std::vector<RigidBody>& bodies,
-                         const ContactBudget& budget, int threads)
+ContactPair::ContactPair(ContactSet set, const Nodes& nodes, const ContactBudget& budget,
+                         int threads)
     : s_(std::make_unique<State>(std::move(set), nodes, threads)) {
     s_->find_start(nodes);
-    s_->set_stiffness(nodes, bodies, budget);
+    s_->set_stiffness(nodes, budget);
 }
 ContactPair::~ContactPair() = default;
 ContactPair::ContactPair(ContactPair&&) noexcept = default;
@@ -344,9 +320,11 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
     s.gather(nodes);
     for (std::size_t i = 0; i < s.set.nodes.size(); ++i)
         for (int d = 0; d < 3; ++d) s.v[3 * i + d] = nodes.v[s.set.nodes[i]].c[d];
-    if (s.is_stale()) {
+    double moved = s.moved();
+    if (moved > s.skin()) {
         s.widen(dt);
         s.search();
+        moved = 0;
     }
     s.surface.refresh_normals();
     Vector turn_rate = Vector::Zero();
@@ -356,7 +334,7 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
     }
     const std::int64_t n = std::int64_t(s.set.nodes.size());
 #pragma omp parallel for schedule(static) num_threads(s.threads) if (s.threads > 1)
-    for (std::int64_t i = 0; i < n; ++i) s.evaluate_node(std::size_t(i), turn_rate, dt);
+    for (std::int64_t i = 0; i < n; ++i) s.evaluate_node(std::size_t(i), turn_rate, dt, moved);
 
     // one after the other: sums do not depend on the number of threads
     s.totals = {};

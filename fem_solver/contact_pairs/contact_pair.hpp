@@ -11,17 +11,9 @@
 // fem.contact's gap, so that facets of a round wall do not press unevenly), plus the over-closure
 // f_n/k that balances the nodal forces of the start.
 //
-// Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less.
-// By (u_s - u_m)^2 <= u_s^2/s + u_m^2/(1-s), 0 < s < 1, springs and dampers stay within the budget
-// if
-//   k/(s m_node) <= omega^2,  omega dt = sqrt(4 zeta^2 + share) - 2 zeta     at each node, and
-//   (1 + 4 zeta/(omega dt)) omega_body^2 dt^2/(1-s) <= share of the surface
-// with omega_body that of the free body on all its springs, zeta = 0.1 and c = 2 zeta k/omega: then
-// beta + 2 eta = (omega dt)^2 + 4 zeta omega dt is the share of the node. s is the one that leaves
-// the stiffest springs. A rigid body has all of the budget that the coupler does not take, since no
-// element hangs on it. Deformable facets: 1/m_node + S/m_surface in the place of 1/(s m_node), S
-// the largest sum of the weights of feet on one node, and one for what slides there
-// (docs/theory_contact.md, section 3).
+// Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less
+// (springs.hpp). Deformable facets give way by 1/M_i = S/m_surface, S the largest sum of the weights
+// of feet on one node, and one for what slides there (docs/theory_contact.md, section 3).
 //
 // On a rigid body the force acts at the node's own place, so that force and moment are equal and
 // opposite to round-off. On deformable facets it is split by the weights of the foot: forces are
@@ -47,6 +39,7 @@ struct ContactBudget {
     double dt = 0;              // [s] largest step that will be taken
     std::vector<double> share;  // of (omega dt)^2, per node of the set
     double surface_share = 0;   // the same of the surface: of its nodes, or of the rigid body
+    double body_load = 0;       // [m2/kg] of all contacts on the body together: load_on_body()
 };
 
 /// Sums over a pair's nodes, of the last evaluation.
@@ -61,8 +54,7 @@ struct ContactTotals {
 class ContactPair {
  public:
     /// At rest where `nodes` are. InputError if no node is near the surface, or one lies inside.
-    ContactPair(ContactSet set, const Nodes& nodes, const std::vector<RigidBody>& bodies,
-                const ContactBudget& budget, int threads);
+    ContactPair(ContactSet set, const Nodes& nodes, const ContactBudget& budget, int threads);
     ~ContactPair();
     ContactPair(ContactPair&&) noexcept;
 

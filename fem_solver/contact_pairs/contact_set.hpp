@@ -19,6 +19,7 @@ struct ContactSet {
     double friction = 0;              // Coulomb coefficient
     double max_shear = 0;             // [Pa] upper limit of the friction stress; 0 = none
     double gap = 0;                   // [m] distance in the mesh at which they touch
+    double near = 0;                  // [m] within which nodes are kept in sight; 0 = two gaps
 };
 
 }  // namespace undertow::fem

@@ -55,6 +55,7 @@ TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nod
     group_normals();
     mirror_ends();
     follow_edges();
+    find_bulge();
 }
 
 void TouchedSurface::group_normals() {
@@ -168,6 +169,20 @@ void TouchedSurface::follow_edges() {
         edge_runs_on_[n] =
             beyond[n].size() == 1 ||
             (beyond[n].size() == 2 && -direction(0).dot(direction(1)) >= smooth_cosine);
+    }
+}
+
+/// h is largest near the middle of a facet; twice that, for facets whose corners differ.
+void TouchedSurface::find_bulge() {
+    if (kind_ != SurfaceKind::rigid) return;
+    for (std::uint32_t f = 0; f < surface_.facets(); ++f) {
+        const std::int32_t* q = surface_.corners(f);
+        Vector middle = Vector::Zero();
+        for (int k = 0; k < 4; ++k) middle += 0.25 * surface_.position(q[k]);
+        double height = 0;
+        for (int k = 0; k < 4; ++k)
+            height += 0.125 * std::abs((middle - surface_.position(q[k])).dot(corner_normal(f, k)));
+        largest_bulge_ = std::max(largest_bulge_, 2 * height);
     }
 }
 

@@ -52,6 +52,9 @@ class TouchedSurface {
     bool touch(const Eigen::Vector3d& x, std::span<const std::uint32_t> candidates,
                Touch& out) const;
 
+    /// [m] by which the surface may stand before a flat facet; 0 of deformable facets.
+    double largest_bulge() const { return largest_bulge_; }
+
     const contact::Surface& facets() const { return surface_; }
     const std::vector<std::int32_t>& node() const { return node_; }  // of the mesh, increasing
     Eigen::Vector3d position(const Touch& touch) const;              // [m] of the foot
@@ -65,8 +68,10 @@ class TouchedSurface {
     bool touch_smooth(const Eigen::Vector3d& x, const contact::Foot& nearest, Touch& out) const;
     bool touch_edge(const Eigen::Vector3d& x, int edge, double share, Touch& out) const;
     void follow_edges();
+    void find_bulge();
 
     SurfaceKind kind_;
+    double largest_bulge_ = 0;  // [m]
     std::vector<std::int32_t> node_;
     std::vector<double> x_, v_;  // [m], [m/s] (nodes, 3)
     contact::Surface surface_;

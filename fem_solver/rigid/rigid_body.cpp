@@ -267,8 +267,7 @@ double RigidBody::reach() const {
     return std::sqrt(squared);
 }
 
-double RigidBody::omega2_on_springs(const std::vector<Vec3>& x,
-                                    const std::vector<double>& k) const {
+double RigidBody::yield_to(const std::vector<Vec3>& x, const std::vector<double>& k) const {
     using Matrix6 = Eigen::Matrix<double, 6, 6>;
     const State& s = *s_;
     Matrix6 K = Matrix6::Zero(), M = Matrix6::Identity();

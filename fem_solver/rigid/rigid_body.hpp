@@ -79,9 +79,9 @@ class RigidBody {
     /// [N], [N m] forces and moments that would move it now, 0 in locked directions.
     Wrench unbalanced(const Nodes& nodes, const Vec3& gravity) const;
     double reach() const;  // [m] from the center to the farthest node
-    /// [1/s2] largest squared frequency of the free body on springs k [N/m] that hold the points x
-    /// [m] in all three directions.
-    double omega2_on_springs(const std::vector<Vec3>& x, const std::vector<double>& k) const;
+    /// [k/kg] largest squared frequency of the free body on springs k [N/m, or any weight] that hold
+    /// the points x [m] in all three directions; of one with k = 1: 1 over the mass it meets there.
+    double yield_to(const std::vector<Vec3>& x, const std::vector<double>& k) const;
 
  private:
     Wrench pull(const Nodes& nodes, const Vec3& gravity) const;

@@ -91,6 +91,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     set.friction = contact.friction;
     set.max_shear = contact.max_shear;
     set.gap = contact.gap;
+    set.near = contact.near;
     set.surface = faces.facets_of(mesh, contact.surface, "fem.contact surface");
     const std::vector<Quad>& facets = mesh.facets_of(contact.nodes, "fem.contact nodes");
     if (set.surface.empty() || facets.empty())

@@ -390,6 +390,7 @@ struct FemContact {                      // [[fem.contact]] contact inside the m
     double friction = 0;                 // Coulomb coefficient
     double max_shear = 0;                // [Pa] upper limit of the friction stress; 0 = none
     double gap = 0;                      // [m] distance in the mesh at which they touch
+    double near = 0;                     // [m] nodes within it are kept in sight; 0 = two gaps
 };
 
 struct FemProbe {                        // [[fem.probe]] history of the node nearest to a point

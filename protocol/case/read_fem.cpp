@@ -6,6 +6,7 @@
 
 #include "case/fem_sections.hpp"
 #include "case/sections.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow {
 
@@ -213,6 +214,12 @@ void read_contact(TableReader& reader, FemContact& contact) {
     reader.number("max_shear", contact.max_shear, at_least(0, "Pa"));
     reader.require("gap", "the distance in m between the two in the mesh");
     reader.number("gap", contact.gap, positive("m"));
+    reader.number("near", contact.near, positive("m"));
+    if (reader.has("near") && contact.near < 2 * contact.gap)
+        reader.reject("near", "= " + number_text(contact.near) +
+                                  " must be two gaps or more (gap = " + number_text(contact.gap) +
+                                  " m): it is the distance in m within which nodes are kept in "
+                                  "sight; leave it out for two gaps.");
 }
 
 void read_mesh(TableReader& reader, FemSettings& fem, const CaseInfo& info,

@@ -65,6 +65,16 @@ gap = 0.005
     CHECK(c.fem.absorbing[1].center->at(2) == -2);
     CHECK(c.fem.rigid[0].free == std::vector<std::string>{"x", "z", "ry"});
     CHECK(c.fem.contact[0].friction == 0.328);
+    CHECK(c.fem.contact[0].near == 0);  // two gaps
+}
+
+TEST_CASE("near of a contact inside the mesh is read, and less than two gaps is refused") {
+    const std::string contact =
+        "[[fem.contact]]\nname = \"joint\"\nnodes = \"xmax\"\nsurface = \"ymax\"\ngap = 0.005\n";
+    CHECK(read(plate + contact + "near = 0.02\n").fem.contact[0].near == 0.02);
+    CHECK_THAT(mistake(plate + contact + "near = 0.009\n"),
+               Catch::Contains("near") && Catch::Contains("two gaps or more") &&
+                   Catch::Contains("0.005"));
 }
 
 TEST_CASE("shells, their supports and their yielding are read, and mistakes told") {

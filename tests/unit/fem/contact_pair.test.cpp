@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "fem_solver/contact_pairs/springs.hpp"
 #include "fem_solver/settle.hpp"
 #include "fem_solver/setup/mesh_check.hpp"
 #include "support.hpp"
@@ -375,12 +376,13 @@ TEST_CASE("contact forces have the same bits for one and two threads") {
     Structure one(build_model(scene.c, scene.mesh), 1);
     ContactBudget budget{one.pairs()[0].largest_step(), {}};
     budget.share.assign(one.pairs()[0].set().nodes.size(), 0.3);
-    budget.surface_share = 3;
+    budget.surface_share = 0.3;
+    budget.body_load = load_on_body(one.pairs()[0].set(), one.nodes(), one.bodies()[0]);
     const auto forces = [&](int threads) {
         Nodes nodes = one.nodes();
         std::vector<RigidBody> bodies;
         bodies.emplace_back(one.model().rigid[0], nodes);
-        ContactPair pair(one.model().contacts[0], nodes, bodies, budget, threads);
+        ContactPair pair(one.model().contacts[0], nodes, budget, threads);
         pair.balance(pressed(one, 5e3));
         for (std::size_t n = 0; n < nodes.size(); ++n)
             for (int d = 0; d < 3; ++d) nodes.v[n].c[d] = 0.1 * std::sin(3.0 * n + d);
