@@ -136,7 +136,7 @@ std::vector<int> Structure::contacts_at_nodes() const {
 void Structure::make_pairs() {
     stable_step();
     for (const ContactSet& set : model_.contacts)
-        pairs_.emplace_back(set, nodes_, budget_of(set), threads_);
+        pairs_.emplace_back(set, nodes_, budget_of(set), threads_, elements_.turning_nodes());
     // Over-closures that meet the stresses and weights of the start, so that nothing jumps.
     elements_.step(nodes_, 0, threads_);
     pressure_forces(0);
@@ -149,11 +149,13 @@ void Structure::make_pairs() {
     for (ContactPair& pair : pairs_) pair.count_from_here();
     for (RigidBody& body : bodies_) body.count_from_here();
     for (NodeRow& f : nodes_.f) f = NodeRow{};
+    elements_.hold();  // and moments of shells
 }
 
 void Structure::pair_forces() {
     for (RigidBody& body : bodies_) body.clear_contact();
-    for (ContactPair& pair : pairs_) pair.evaluate(nodes_, bodies_, dt_);
+    for (ContactPair& pair : pairs_)
+        pair.evaluate(nodes_, bodies_, dt_, elements_.turning_nodes());
 }
 
 double Structure::omega_bound() const {

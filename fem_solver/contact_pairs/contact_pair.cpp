@@ -35,9 +35,18 @@ Vec3 array(const Vector& a) {
     return {a[0], a[1], a[2]};
 }
 
+// A point on one face of a shell sees what the face looks at, and what the wall stands on with its
+// edge, but not what lies behind the wall: cosine of its normal and that of the surface.
+constexpr double looks_away = 0.5;
+
 /// Of immobile nodes, which have no mass.
 bool is_held(const ContactSet& set, const Nodes& nodes) {
     return nodes.mass[set.surface.front()[0]] == 0;
+}
+
+ContactPoints make_points(const ContactSet& set, const Nodes& nodes, const TurningNodes* turning) {
+    if (set.node_faces.offset.empty()) return ContactPoints(set.nodes, nodes);
+    return ContactPoints(set.node_faces, nodes, *turning);
 }
 
 /// One node of the set, and what it remembers.
@@ -49,6 +58,7 @@ struct Toucher {
     double normal_force = 0;           // [N] f_n
     double damping_force = 0;          // [N] part of f_n that is not k (g - phi)
     bool near_at_start = false;
+    std::int32_t before = -1;  // facet that it was nearest to, -1: none
     // of the last evaluation
     Touch touch;
     bool has_touch = false, slips = false;
@@ -59,7 +69,10 @@ struct Toucher {
 
 struct ContactPair::State {
     ContactSet set;
-    TouchedSurface surface;
+    std::unique_ptr<TouchedSurface> touched;
+    TouchedSurface& surface;
+    ContactPoints points;
+    const TurningNodes* turning;  // of shells; none
     std::vector<Toucher> toucher;
     double dt_limit;           // [s]
     double least_radius = 0;  // [m] within which a node may be pushed at the start
@@ -68,7 +81,8 @@ struct ContactPair::State {
     contact::FacetCells cells;
     contact::CandidateList found;
     std::vector<std::uint32_t> first, last;            // candidates of node i in found.facet
-    std::vector<double> x, v, mass, radius;            // of the set's nodes, for the search
+    const std::vector<double>&x, &v;                   // of `points`
+    std::vector<double> mass, radius;                  // of the set's nodes, for the search
     std::vector<double> x_searched, surface_searched;  // [m] at the last search
     int searches = 0;
 
@@ -76,13 +90,27 @@ struct ContactPair::State {
     double stored = 0, stored_from = 0, slipped = 0, damped = 0;  // [J]
     double softest = contact_stiffness_factor;
 
-    State(ContactSet s, const Nodes& nodes, int n_threads)
+    State(ContactSet s, const Nodes& nodes, int n_threads, const TurningNodes* of_shells)
         : set(std::move(s)),
-          surface(
-              set.surface, nodes,
-              is_held(set, nodes) || set.body >= 0 ? SurfaceKind::rigid : SurfaceKind::deformable),
+          touched(make_surface(nodes, of_shells)),
+          surface(*touched),
+          points(make_points(set, nodes, of_shells)),
+          turning(of_shells),
           toucher(set.nodes.size()),
-          threads(n_threads) {}
+          threads(n_threads),
+          x(points.x()),
+          v(points.v()) {
+        surface.remember_sides(set.opposite);
+    }
+
+    std::unique_ptr<TouchedSurface> make_surface(const Nodes& nodes,
+                                                 const TurningNodes* of_shells) const {
+        if (!set.surface_faces.offset.empty())
+            return std::make_unique<TouchedSurface>(set.surface_faces, nodes, *of_shells);
+        const bool is_rigid = is_held(set, nodes) || set.body >= 0;
+        return std::make_unique<TouchedSurface>(
+            set.surface, nodes, is_rigid ? SurfaceKind::rigid : SurfaceKind::deformable);
+    }
 
     double sight() const { return set.near > 0 ? set.near : sight_in_gaps * set.gap; }  // [m]
     double skin() const { return sight() - near_in_gaps * set.gap; }
@@ -93,16 +121,16 @@ struct ContactPair::State {
     bool is_out_of_reach(std::size_t i, double moved) const;
     void find_start(const Nodes& nodes);
     double surface_yields(const Nodes& nodes) const;
-    double largest_load() const;
+    double farthest_arm() const { return near_in_gaps * set.gap; }  // [m] of friction at a face
+    static int faces_of(const ContactPoints& p) { return p.turn() ? 2 : 1; }  // on one node
     void set_stiffness(const Nodes& nodes, const ContactBudget& budget);
     bool find_touch(std::size_t i);
     void evaluate_node(std::size_t i, const Vector& turn_rate, double dt, double moved);
 };
 
 void ContactPair::State::gather(const Nodes& nodes) {
-    surface.follow(nodes);
-    for (std::size_t i = 0; i < set.nodes.size(); ++i)
-        for (int d = 0; d < 3; ++d) x[3 * i + d] = nodes.x[set.nodes[i]].c[d];
+    surface.follow(nodes, turning);
+    points.follow(nodes, turning);
 }
 
 /// [m] by node and surface together since the search; candidates stay complete up to the skin.
@@ -165,14 +193,16 @@ bool ContactPair::State::find_touch(std::size_t i) {
     Toucher& t = toucher[i];
     t.has_touch = last[i] > first[i] &&
                   surface.touch(Vector(x[3 * i], x[3 * i + 1], x[3 * i + 2]),
-                                {found.facet.data() + first[i], last[i] - first[i]}, t.touch);
+                                {found.facet.data() + first[i], last[i] - first[i]}, t.touch,
+                                t.before);
+    t.before = t.has_touch ? std::int32_t(t.touch.facet) : -1;
+    if (t.has_touch && points.turn() && points.normal(i).dot(t.touch.normal) > looks_away)
+        t.has_touch = false;
     return t.has_touch;
 }
 
 void ContactPair::State::find_start(const Nodes& nodes) {
     const std::size_t n = set.nodes.size();
-    x.resize(3 * n);
-    v.assign(3 * n, 0.0);
     mass.resize(n);
     for (std::size_t i = 0; i < n; ++i) mass[i] = nodes.mass[set.nodes[i]];
     radius.assign(n, near_in_gaps * set.gap);
@@ -204,22 +234,24 @@ void ContactPair::State::find_start(const Nodes& nodes) {
                          "within which nodes are kept in sight, beyond where they start.");
 }
 
-/// Largest sum of the weights of feet on one node of the surface, and one for feet to come.
-double ContactPair::State::largest_load() const {
-    std::vector<double> sum(surface.node().size(), 0.0);
+/// [1/kg] largest S/m of a deformable surface, 0 of one that is held: S the sum of the weights of
+/// feet on one node and one for feet to come. Where bodies start apart, S is also what it would be
+/// if the surface were covered with the finest of them.
+double ContactPair::State::surface_yields(const Nodes& nodes) const {
+    const std::vector<std::int32_t>& node = surface.points().node();
+    std::vector<double> sum(node.size(), 0.0);
     for (const Toucher& t : toucher)
         if (t.near_at_start)
             for (int a = 0; a < 4; ++a)
                 sum[surface.facets().corners(t.touch.facet)[a]] += t.touch.weight[a];
-    return 1 + *std::max_element(sum.begin(), sum.end());
-}
-
-/// [1/kg] S/m of a deformable surface; 0 of one that is held.
-double ContactPair::State::surface_yields(const Nodes& nodes) const {
+    for (std::size_t i = 1; i < sum.size(); ++i)  // both faces of a shell hang on one node
+        if (node[i] == node[i - 1]) sum[i] += sum[i - 1];
+    const double to_come = set.near > 0 ? faces_of(surface.points()) * set.coverage : 0;
     double yields = 0;
-    for (std::int32_t n : surface.node())
-        for (int d = 0; d < 3; ++d) yields = std::max(yields, nodes.inverse_mass[n].c[d]);
-    return largest_load() * yields;
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        yields = std::max(yields, (1 + std::max(to_come, sum[i])) *
+                                      surface.points().yields(i, farthest_arm(), nodes, turning));
+    return yields;
 }
 
 void ContactPair::State::set_stiffness(const Nodes& nodes, const ContactBudget& budget) {
@@ -228,8 +260,7 @@ void ContactPair::State::set_stiffness(const Nodes& nodes, const ContactBudget& 
     const double of_facets = set.body >= 0 ? 0 : surface_yields(nodes);
     std::vector<double> yields(n), share(n);
     for (std::size_t i = 0; i < n; ++i) {
-        for (int d = 0; d < 3; ++d)
-            yields[i] = std::max(yields[i], nodes.inverse_mass[set.nodes[i]].c[d]);
+        yields[i] = faces_of(points) * points.yields(i, farthest_arm(), nodes, turning);
         yields[i] += set.body >= 0 ? budget.body_load / set.area[i] : of_facets;
         share[i] = std::min(budget.share[i], budget.surface_share);
     }
@@ -249,10 +280,13 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     Toucher& t = toucher[i];
     t.slips = false;
     t.slipped = t.damped = 0;
-    const bool touches =
-        !is_out_of_reach(i, moved) && find_touch(i) && t.touch.distance < t.reach;
+    const bool out_of_reach = is_out_of_reach(i, moved);
+    if (out_of_reach) t.before = -1;
+    const bool touches = !out_of_reach && find_touch(i) && t.touch.distance < t.reach;
     if (!touches) {
         t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
+        if (!t.has_touch)  // over a rim, which it has not climbed
+            t.slipped += std::pow(t.normal_force - t.damping_force, 2) / t.k / 2;
         t.has_touch = false;
         t.normal_force = t.damping_force = 0;
         t.friction.setZero();
@@ -262,7 +296,13 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     const Vector speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
     const Vector& n = t.touch.normal;
     const Vector offset = at - surface.position(t.touch);
-    Vector slip = dt * (speed - surface.velocity(t.touch) - turn_rate.cross(offset));
+    // how the place turns at which both forces act: see evaluate()
+    Vector spin = turn_rate;
+    if (surface.points().turn())
+        spin = surface.turn_rate(t.touch, turning);
+    else if (points.turn() && set.body < 0)
+        spin = points.turn_rate(i, turning);
+    Vector slip = dt * (speed - surface.velocity(t.touch) - spin.cross(offset));
     const double parting = slip.dot(n);  // [m] in the step
     slip -= parting * n;
 
@@ -292,8 +332,8 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
 }
 
 ContactPair::ContactPair(ContactSet set, const Nodes& nodes, const ContactBudget& budget,
-                         int threads)
-    : s_(std::make_unique<State>(std::move(set), nodes, threads)) {
+                         int threads, const TurningNodes* turning)
+    : s_(std::make_unique<State>(std::move(set), nodes, threads, turning)) {
     s_->find_start(nodes);
     s_->set_stiffness(nodes, budget);
 }
@@ -315,11 +355,10 @@ void ContactPair::balance(const NodeRows& load) {
     s.search();
 }
 
-void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt) {
+void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt,
+                           TurningNodes* turning) {
     State& s = *s_;
     s.gather(nodes);
-    for (std::size_t i = 0; i < s.set.nodes.size(); ++i)
-        for (int d = 0; d < 3; ++d) s.v[3 * i + d] = nodes.v[s.set.nodes[i]].c[d];
     double moved = s.moved();
     if (moved > s.skin()) {
         s.widen(dt);
@@ -350,12 +389,16 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
         s.totals.normal_force += t.normal_force;
         ++s.totals.touching;
         s.totals.slipping += t.slips;
-        NodeRow& f = nodes.f[s.set.nodes[i]];
         for (int d = 0; d < 3; ++d) {
             s.totals.friction[d] += t.friction[d];
             s.totals.force[d] += force[d];
-            f.c[d] += force[d];
         }
+        // Both forces act at one place: the node's own on rigid bodies and shells, which take
+        // moments, else the foot, if the node is of a shell. Solids take none on either side.
+        const Vector offset = Vector::Map(&s.x[3 * i]) - s.surface.position(t.touch);
+        const bool at_foot = s.points.turn() && s.set.body < 0 && !s.surface.points().turn();
+        s.points.add_force(std::size_t(i), force, at_foot ? Vector(-offset) : Vector(0, 0, 0), nodes,
+                           turning);
         if (s.set.body >= 0) {
             bodies[s.set.body].add_contact({s.x[3 * i], s.x[3 * i + 1], s.x[3 * i + 2]},
                                            array(-force));
@@ -366,8 +409,7 @@ void ContactPair::evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double 
         for (int a = 3; a >= 0; --a) {
             const Vector part = a > 0 ? Vector(-t.touch.weight[a] * force) : rest;
             rest -= part;
-            NodeRow& on_surface = nodes.f[s.surface.node()[q[a]]];
-            for (int d = 0; d < 3; ++d) on_surface.c[d] += part[d];
+            s.surface.points().add_force(std::size_t(q[a]), part, offset, nodes, turning);
         }
     }
 }
@@ -381,7 +423,7 @@ void ContactPair::archive(Archive& a) {
     State& s = *s_;
     a.rows("toucher", s.toucher, [](Toucher& t) {
         return std::tie(t.k, t.damping, t.reach, t.friction[0], t.friction[1], t.friction[2],
-                        t.normal_force, t.damping_force, t.near_at_start, t.touch.facet,
+                        t.normal_force, t.damping_force, t.near_at_start, t.before, t.touch.facet,
                         t.touch.weight, t.touch.normal[0], t.touch.normal[1], t.touch.normal[2],
                         t.touch.distance, t.has_touch, t.slips, t.slipped, t.damped);
     });

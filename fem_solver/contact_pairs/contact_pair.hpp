@@ -12,12 +12,18 @@
 // f_n/k that balances the nodal forces of the start.
 //
 // Stiffness: k = 10 E A/h of the element behind the node, unless the stability budget allows less
-// (springs.hpp). Deformable facets give way by 1/M_i = S/m_surface, S the largest sum of the weights
-// of feet on one node, and one for what slides there (docs/theory_contact.md, section 3).
+// (springs.hpp). Deformable facets give way by 1/M_i, the largest S/m of a node, S the sum of the
+// weights of feet on it and one for what slides there (docs/theory_contact.md, section 3).
 //
 // On a rigid body the force acts at the node's own place, so that force and moment are equal and
 // opposite to round-off. On deformable facets it is split by the weights of the foot: forces are
-// equal and opposite, and friction leaves a moment of |t| times the gap.
+// equal and opposite, and friction leaves a moment of |t| times the gap between solids.
+//
+// Shells that deform have both faces, as surface and as nodes (contact_points.hpp). Their nodes turn
+// and take moments, so that with a shell on either side moments balance as well. A node remembers
+// the facet that it was nearest to and is kept on that side of a thin wall. Both faces of a shell
+// hang on one node and share its budget; a force along the wall turns it: 1/m + (t/2 + gap)^2/J in
+// the place of 1/m.
 //
 // A node touches one facet at a time: in a sharp concave corner of the surface only the nearer
 // side.
@@ -31,6 +37,7 @@
 #include "fem_solver/contact_pairs/contact_set.hpp"
 #include "fem_solver/nodes.hpp"
 #include "fem_solver/rigid/rigid_body.hpp"
+#include "fem_solver/shells/turning_nodes.hpp"
 
 namespace undertow::fem {
 
@@ -54,7 +61,9 @@ struct ContactTotals {
 class ContactPair {
  public:
     /// At rest where `nodes` are. InputError if no node is near the surface, or one lies inside.
-    ContactPair(ContactSet set, const Nodes& nodes, const ContactBudget& budget, int threads);
+    /// `turning`: the nodes of shells that deform, or none.
+    ContactPair(ContactSet set, const Nodes& nodes, const ContactBudget& budget, int threads,
+                const TurningNodes* turning = nullptr);
     ~ContactPair();
     ContactPair(ContactPair&&) noexcept;
 
@@ -62,7 +71,8 @@ class ContactPair {
     /// (weight, stress and all) that push it into the surface; nodes pulled away carry nothing.
     void balance(const NodeRows& load);
     /// Adds the forces at n to nodes.f and to the body; dt led from n-1 to n.
-    void evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt);
+    void evaluate(Nodes& nodes, std::vector<RigidBody>& bodies, double dt,
+                  TurningNodes* turning = nullptr);
     /// From here on energies count from now.
     void count_from_here();
 

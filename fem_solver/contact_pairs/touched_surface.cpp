@@ -34,6 +34,12 @@ std::vector<std::int32_t> renumbered(const std::vector<Quad>& facets,
     return quad;
 }
 
+std::vector<std::int32_t> flat(const std::vector<Quad>& quads) {
+    std::vector<std::int32_t> corners;
+    for (const Quad& q : quads) corners.insert(corners.end(), q.begin(), q.end());
+    return corners;
+}
+
 std::vector<double> masses_of(const std::vector<std::int32_t>& node, const Nodes& nodes) {
     std::vector<double> mass;
     for (std::int32_t n : node) mass.push_back(nodes.mass[n]);
@@ -42,15 +48,13 @@ std::vector<double> masses_of(const std::vector<std::int32_t>& node, const Nodes
 
 }  // namespace
 
-TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes,
-                               SurfaceKind kind)
+TouchedSurface::TouchedSurface(ContactPoints points, std::vector<std::int32_t> quad,
+                               const Nodes& nodes, SurfaceKind kind)
     : kind_(kind),
-      node_(nodes_of(facets)),
-      x_(3 * node_.size()),
-      v_(3 * node_.size()),
-      surface_(renumbered(facets, node_), masses_of(node_, nodes)),
-      normal_(facets.size()) {
-    follow(nodes);
+      points_(std::move(points)),
+      surface_(std::move(quad), masses_of(points_.node(), nodes)),
+      normal_(surface_.facets()) {
+    surface_.move(points_.x(), points_.v());
     refresh_normals();
     group_normals();
     mirror_ends();
@@ -58,9 +62,19 @@ TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nod
     find_bulge();
 }
 
+TouchedSurface::TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes,
+                               SurfaceKind kind)
+    : TouchedSurface(ContactPoints(nodes_of(facets), nodes), renumbered(facets, nodes_of(facets)),
+                     nodes, kind) {}
+
+TouchedSurface::TouchedSurface(const FaceLayout& faces, const Nodes& nodes,
+                               const TurningNodes& turning)
+    : TouchedSurface(ContactPoints(faces, nodes, turning), flat(faces.quad), nodes,
+                     SurfaceKind::deformable) {}
+
 void TouchedSurface::group_normals() {
     const std::uint32_t facets = std::uint32_t(surface_.facets());
-    std::vector<std::vector<std::uint32_t>> facets_of(node_.size());
+    std::vector<std::vector<std::uint32_t>> facets_of(points_.size());
     std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::uint32_t>> facets_at;
     const auto edge = [&](std::uint32_t f, int k) {
         const std::int32_t a = surface_.corners(f)[k], b = surface_.corners(f)[(k + 1) % 4];
@@ -73,7 +87,7 @@ void TouchedSurface::group_normals() {
         }
     start_.assign(1, 0);
     across_.assign(4 * std::size_t(facets), -1);
-    sharp_node_.assign(node_.size(), 0);
+    sharp_node_.assign(points_.size(), 0);
     for (std::uint32_t f = 0; f < facets; ++f)
         for (int k = 0; k < 4; ++k) {
             for (std::uint32_t g : facets_of[surface_.corners(f)[k]])
@@ -88,13 +102,9 @@ void TouchedSurface::group_normals() {
         }
 }
 
-void TouchedSurface::follow(const Nodes& nodes) {
-    for (std::size_t i = 0; i < node_.size(); ++i)
-        for (int d = 0; d < 3; ++d) {
-            x_[3 * i + d] = nodes.x[node_[i]].c[d];
-            v_[3 * i + d] = nodes.v[node_[i]].c[d];
-        }
-    surface_.move(x_, v_);
+void TouchedSurface::follow(const Nodes& nodes, const TurningNodes* turning) {
+    points_.follow(nodes, turning);
+    surface_.move(points_.x(), points_.v());
 }
 
 void TouchedSurface::refresh_normals() {
@@ -151,7 +161,7 @@ void TouchedSurface::mirror_ends() {
 
 /// Does a sharp edge run on through its node, or end there? Elsewhere the node is a corner.
 void TouchedSurface::follow_edges() {
-    std::vector<std::vector<std::int32_t>> beyond(node_.size());  // other ends of sharp edges
+    std::vector<std::vector<std::int32_t>> beyond(points_.size());  // other ends of sharp edges
     for (std::uint32_t f = 0; f < surface_.facets(); ++f)
         for (int k = 0; k < 4; ++k) {
             if (across_[4 * f + k] < 0) continue;
@@ -160,8 +170,8 @@ void TouchedSurface::follow_edges() {
                 if (std::find(beyond[from].begin(), beyond[from].end(), to) == beyond[from].end())
                     beyond[from].push_back(to);
         }
-    edge_runs_on_.assign(node_.size(), 0);
-    for (std::size_t n = 0; n < node_.size(); ++n) {
+    edge_runs_on_.assign(points_.size(), 0);
+    for (std::size_t n = 0; n < points_.size(); ++n) {
         const auto direction = [&](int i) {
             return (surface_.position(beyond[n][i]) - surface_.position(std::int32_t(n)))
                 .normalized();
@@ -186,13 +196,22 @@ void TouchedSurface::find_bulge() {
     }
 }
 
-bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candidates,
-                           Touch& out) const {
+/// Of a shell that has, on its other side, a corner in common with the facet `before`.
+bool TouchedSurface::is_other_face(std::uint32_t facet, std::int32_t before) const {
+    if (before < 0 || opposite_.empty() || opposite_[facet] < 0) return false;
+    const std::int32_t* a = surface_.corners(std::uint32_t(opposite_[facet]));
+    const std::int32_t* b = surface_.corners(std::uint32_t(before));
+    return std::find_first_of(a, a + 4, b, b + 4) != a + 4;
+}
+
+bool TouchedSurface::touch(const Vector& x, std::span<const std::uint32_t> candidates, Touch& out,
+                           std::int32_t before) const {
     contact::Foot best;
     best.distance = std::numeric_limits<double>::infinity();
     double best_side = 0;  // [m] height above the facet's plane
     bool found = false;
     for (std::uint32_t facet : candidates) {
+        if (is_other_face(facet, before)) continue;
         const contact::Foot foot = contact::closest_point(x, surface_.shape(facet));
         const double side = foot.offset.dot(foot.normal);
         // of several facets with the same nearest point the one it faces most squarely tells the
@@ -305,6 +324,15 @@ Vector TouchedSurface::velocity(const Touch& touch) const {
     const std::int32_t* q = surface_.corners(touch.facet);
     Vector sum = Vector::Zero();
     for (int a = 0; a < 4; ++a) sum += touch.weight[a] * surface_.velocity(q[a]);
+    return sum;
+}
+
+Vector TouchedSurface::turn_rate(const Touch& touch, const TurningNodes* turning) const {
+    Vector sum = Vector::Zero();
+    if (!points_.turn()) return sum;
+    const std::int32_t* q = surface_.corners(touch.facet);
+    for (int a = 0; a < 4; ++a)
+        sum += touch.weight[a] * points_.turn_rate(std::size_t(q[a]), turning);
     return sum;
 }
 

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "contact/candidates.hpp"
+#include "fem_solver/contact_pairs/contact_points.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/nodes.hpp"
 
@@ -39,28 +40,39 @@ class TouchedSurface {
  public:
     /// Facets by nodes of the mesh.
     TouchedSurface(const std::vector<Quad>& facets, const Nodes& nodes, SurfaceKind kind);
+    /// Both faces of shells that deform; or faces of a rigid body, of which `opposite` tells the two
+    /// that belong to one shell, as ContactSet has it.
+    TouchedSurface(const FaceLayout& faces, const Nodes& nodes, const TurningNodes& turning);
+    void remember_sides(std::vector<std::int32_t> opposite) { opposite_ = std::move(opposite); }
     // The contact library's surface refers to the positions kept here.
     TouchedSurface(const TouchedSurface&) = delete;
     TouchedSurface& operator=(const TouchedSurface&) = delete;
 
     /// Takes positions and velocities of this step.
-    void follow(const Nodes& nodes);
+    void follow(const Nodes& nodes, const TurningNodes* turning = nullptr);
     /// Normals of the facets at their present positions; all of them.
     void refresh_normals();
     /// Nearest of the candidate facets; false if there is none, or if the node lies beyond the rim
-    /// of the surface.
-    bool touch(const Eigen::Vector3d& x, std::span<const std::uint32_t> candidates,
-               Touch& out) const;
+    /// of the surface. `before` is the facet that it was nearest to last, -1 for none: the other
+    /// faces of the shells around that one are not seen, so that a node pressed past the middle of
+    /// a thin wall comes back out of the face through which it went in.
+    bool touch(const Eigen::Vector3d& x, std::span<const std::uint32_t> candidates, Touch& out,
+               std::int32_t before = -1) const;
 
     /// [m] by which the surface may stand before a flat facet; 0 of deformable facets.
     double largest_bulge() const { return largest_bulge_; }
 
     const contact::Surface& facets() const { return surface_; }
-    const std::vector<std::int32_t>& node() const { return node_; }  // of the mesh, increasing
+    const ContactPoints& points() const { return points_; }
     Eigen::Vector3d position(const Touch& touch) const;              // [m] of the foot
     Eigen::Vector3d velocity(const Touch& touch) const;              // [m/s] of the foot
+    /// [rad/s] of shells that deform, at the foot; 0 of other facets.
+    Eigen::Vector3d turn_rate(const Touch& touch, const TurningNodes* turning) const;
 
  private:
+    TouchedSurface(ContactPoints points, std::vector<std::int32_t> quad, const Nodes& nodes,
+                   SurfaceKind kind);
+    bool is_other_face(std::uint32_t facet, std::int32_t before) const;
     void group_normals();
     void mirror_ends();
     Eigen::Vector3d mean_normal(std::uint32_t facet, int corner) const;
@@ -72,8 +84,8 @@ class TouchedSurface {
 
     SurfaceKind kind_;
     double largest_bulge_ = 0;  // [m]
-    std::vector<std::int32_t> node_;
-    std::vector<double> x_, v_;  // [m], [m/s] (nodes, 3)
+    ContactPoints points_;
+    std::vector<std::int32_t> opposite_;  // per facet, see ContactSet
     contact::Surface surface_;
     std::vector<Eigen::Vector3d> normal_;  // per facet
     // Facets whose normals make the normal of a corner: of corner k of facet f those from

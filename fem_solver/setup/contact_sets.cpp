@@ -3,23 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
+#include "fem_solver/setup/coupled_surface.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
 
 namespace undertow::fem {
 namespace {
 
-double area_of(const Mesh& mesh, const Quad& q) {
+// Of the sum of areas around a node: below this the shells there look against each other. A corner
+// of three faces at right angles has 0.58.
+constexpr double least_agreement = 0.3;
+
+/// Half of the diagonals' product: area times normal [m2].
+Vec3 area_vector(const Mesh& mesh, const Quad& q) {
     double a[3], b[3];
     for (int d = 0; d < 3; ++d) {
         a[d] = mesh.x[q[2]][d] - mesh.x[q[0]][d];
         b[d] = mesh.x[q[3]][d] - mesh.x[q[1]][d];
     }
-    return 0.5 * std::sqrt(std::pow(a[1] * b[2] - a[2] * b[1], 2) +
-                           std::pow(a[2] * b[0] - a[0] * b[2], 2) +
-                           std::pow(a[0] * b[1] - a[1] * b[0], 2));
+    return {0.5 * (a[1] * b[2] - a[2] * b[1]), 0.5 * (a[2] * b[0] - a[0] * b[2]),
+            0.5 * (a[0] * b[1] - a[1] * b[0])};
+}
+double length(const Vec3& a) {
+    return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+double area_of(const Mesh& mesh, const Quad& q) {
+    return length(area_vector(mesh, q));
 }
 
 /// The element of each facet: by its sorted nodes.
@@ -81,10 +91,68 @@ int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vect
     return body;
 }
 
+/// Whether the facets are shells that deform; InputError if only some of them are, or if they look
+/// against each other.
+bool are_shells(const std::vector<Quad>& facets, const std::map<Quad, double>& shells,
+                const Mesh& mesh, const std::string& name, const std::string& set) {
+    std::size_t count = 0;
+    struct Sum {
+        Vec3 normal{};    // [m2]
+        double area = 0;  // [m2]
+    };
+    std::map<std::int32_t, Sum> at;
+    for (const Quad& q : facets) {
+        if (shells.count(sorted_facet(q)) == 0) continue;
+        ++count;
+        const Vec3 area = area_vector(mesh, q);
+        for (std::int32_t n : q) {
+            at[n].area += length(area);
+            for (int d = 0; d < 3; ++d) at[n].normal[d] += area[d];
+        }
+    }
+    if (count == 0) return false;
+    if (count < facets.size())
+        throw InputError(name + ": \"" + set +
+                         "\" holds shells that deform and other facets; make one contact for the "
+                         "shells and one for the others.");
+    for (const auto& [n, sum] : at)
+        if (!(length(sum.normal) > least_agreement * sum.area))
+            throw InputError(name + ": shells of \"" + set + "\" look against each other at " +
+                             point_text(mesh.x[n]) +
+                             "; turn them alike in the mesh, or make one contact for each side.");
+    return true;
+}
+
+/// Both faces of shells that deform in the place of each.
+void put_faces(ContactSet& set, const std::map<Quad, double>& shells) {
+    set.surface_faces =
+        lay_out_faces(set.surface, std::vector<std::int32_t>(set.surface.size(), 0), shells);
+    set.surface.clear();
+    for (std::size_t f = 0; f < set.surface_faces.quad.size(); ++f) {
+        Quad q = set.surface_faces.quad[f];
+        for (std::int32_t& n : q) n = set.surface_faces.node[n];
+        set.surface.push_back(q);
+        set.opposite.push_back(std::int32_t(f % 2 == 0 ? f + 1 : f - 1));
+    }
+}
+
+/// Largest area that belongs to a node of the surface over the smallest facet of the nodes.
+double coverage_of(const Mesh& mesh, const std::vector<Quad>& surface,
+                   const std::vector<Quad>& facets) {
+    std::map<std::int32_t, double> at;
+    double largest = 0, smallest = area_of(mesh, facets.front());
+    for (const Quad& q : surface)
+        for (std::int32_t n : q) largest = std::max(largest, at[n] += 0.25 * area_of(mesh, q));
+    for (const Quad& q : facets) smallest = std::min(smallest, area_of(mesh, q));
+    return largest / smallest;
+}
+
 ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
                             const std::vector<RigidSet>& bodies, const RigidShellFaces& faces,
                             const std::vector<int>& body_of_node,
-                            const std::vector<double>& modulus) {
+                            const std::vector<double>& modulus,
+                            const std::map<Quad, double>& shells,
+                            const std::map<Quad, double>& shell_modulus) {
     const std::string name = "fem.contact \"" + contact.name + "\"";
     ContactSet set;
     set.name = contact.name;
@@ -97,6 +165,10 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     if (set.surface.empty() || facets.empty())
         throw InputError(name + ": the facet set \"" +
                          (facets.empty() ? contact.nodes : contact.surface) + "\" is empty.");
+    const bool shell_surface = are_shells(set.surface, shells, mesh, name, contact.surface);
+    const bool shell_nodes = are_shells(facets, shells, mesh, name, contact.nodes);
+    set.opposite = faces.opposites_of(contact.surface);
+    if (shell_surface) put_faces(set, shells);
     for (const Quad& q : set.surface)
         if (q[2] == q[3])
             throw InputError(name + ": surface \"" + contact.surface + "\" has a triangle at " +
@@ -105,37 +177,38 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
                              "\"nodes\", or mesh that body with hexahedra.");
     set.body = body_of_surface(contact, mesh, set.surface, body_of_node, bodies);
 
-    set.nodes = mesh.nodes_of(contact.nodes, "fem.contact nodes");
+    if (shell_nodes) {
+        set.node_faces = lay_out_faces(facets, std::vector<std::int32_t>(facets.size(), 0), shells);
+        set.nodes = set.node_faces.node;
+    } else {
+        set.nodes = mesh.nodes_of(contact.nodes, "fem.contact nodes");
+    }
     set.area.resize(set.nodes.size());
     set.stiffness.resize(set.nodes.size());
-    const auto index = [&](std::int32_t n) {
-        return std::size_t(std::lower_bound(set.nodes.begin(), set.nodes.end(), n) -
-                           set.nodes.begin());
-    };
     const Backers backers(mesh, facets);
     for (const Quad& q : facets) {
-        const std::int32_t e = backers.of(q);
+        const auto shell = shells.find(sorted_facet(q));
+        const std::int32_t e = shell == shells.end() ? backers.of(q) : 0;
         if (e < 0 || body_of_node[q[0]] >= 0)
             throw InputError(name + ": the facet at " + point_text(mesh.x[q[0]]) +
                              " of nodes = \"" + contact.nodes +
                              "\" belongs to no deformable element; let the soil's facets be "
                              "\"nodes\" and the rigid body's \"surface\".");
-        const double area = area_of(mesh, q), depth = depth_of(mesh, q, mesh.corners(e));
         const std::span<const std::int32_t> corners = corners_of(q);
-        const double share = area / double(corners.size());
+        const double share = area_of(mesh, q) / double(corners.size());
+        // a shell's springs yield a tenth of what its thickness would
+        const double depth = shell == shells.end() ? depth_of(mesh, q, mesh.corners(e))
+                                                   : shell->second;
+        const double E = shell == shells.end() ? modulus[e] : shell_modulus.at(sorted_facet(q));
         for (std::int32_t n : corners) {
-            set.area[index(n)] += share;
-            set.stiffness[index(n)] += modulus[e] * share / depth;
+            const auto [from, to] = std::equal_range(set.nodes.begin(), set.nodes.end(), n);
+            for (auto i = from; i < to; ++i) {
+                set.area[std::size_t(i - set.nodes.begin())] += share;
+                set.stiffness[std::size_t(i - set.nodes.begin())] += E * share / depth;
+            }
         }
     }
-    std::set<Quad> shells;
-    for (const Quad& shell : mesh.shells) shells.insert(sorted_facet(shell));
-    for (const Quad& q : set.surface)
-        if (shells.count(sorted_facet(q)) > 0)
-                throw InputError(name + ": surface = \"" + contact.surface +
-                                 "\" is of shells that deform; contact inside the mesh is between faces "
-                                 "of solids and rigid bodies: make the shells a [[fem.rigid]], or "
-                                 "mesh that part with hexahedra.");
+    set.coverage = coverage_of(mesh, set.surface, facets);
     for (const Quad& q : set.surface)
         for (std::int32_t n : q)
             if (std::binary_search(set.nodes.begin(), set.nodes.end(), n))
@@ -149,6 +222,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
 }  // namespace
 
 std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
+                                          const std::vector<Part>& parts,
                                           const std::vector<RigidSet>& bodies,
                                           const RigidShellFaces& faces) {
     std::vector<ContactSet> sets;
@@ -157,8 +231,16 @@ std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
     for (std::size_t b = 0; b < bodies.size(); ++b)
         for (std::int32_t n : bodies[b].nodes) body_of_node[n] = int(b);
     const std::vector<double> modulus = moduli_of(c.fem, mesh);
+    const std::map<Quad, double> shells = shell_thicknesses(mesh, parts);
+    std::map<Quad, double> shell_modulus;
+    for (std::size_t e = 0; e < mesh.n_elements(); ++e) {
+        if (mesh.shape_of(std::int32_t(e)) != ElementShape::shell) continue;
+        const std::span<const std::int32_t> n = mesh.corners(std::int32_t(e));
+        shell_modulus[sorted_facet({n[0], n[1], n[2], n[3]})] = modulus[e];
+    }
     for (const FemContact& contact : c.fem.contact)
-        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, modulus));
+        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, modulus, shells,
+                                        shell_modulus));
     return sets;
 }
 

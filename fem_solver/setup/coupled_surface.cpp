@@ -11,7 +11,12 @@
 namespace undertow::fem {
 namespace {
 
-/// [m] of the shell that a facet is, by sorted nodes.
+/// A node of the surface: of a solid (side 0), or on the + or - face of the shells of a surface.
+/// Shells of different surfaces have faces of their own, so that edges where they meet stay apart.
+using FaceNode = std::tuple<std::int32_t, int, std::int32_t>;  // node, side, surface
+
+}  // namespace
+
 std::map<Quad, double> shell_thicknesses(const Mesh& mesh, const std::vector<Part>& parts) {
     std::map<Quad, double> thickness;
     for (const Part& part : parts)
@@ -23,40 +28,62 @@ std::map<Quad, double> shell_thicknesses(const Mesh& mesh, const std::vector<Par
     return thickness;
 }
 
-/// A node of the surface: of a solid (side 0), or on the + or - face of the shells of a surface.
-/// Shells of different surfaces have faces of their own, so that edges where they meet stay apart.
-using FaceNode = std::tuple<std::int32_t, int, std::int32_t>;  // node, side, surface
-
-}  // namespace
+FaceLayout lay_out_faces(const std::vector<Quad>& facets, const std::vector<std::int32_t>& surface,
+                         const std::map<Quad, double>& shells) {
+    FaceLayout faces;
+    std::vector<std::array<FaceNode, 4>> corners;
+    std::map<FaceNode, double> offset;  // [m] the largest of the shells around a node
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+        const Quad& q = facets[f];
+        const auto shell = shells.find(sorted_facet(q));
+        for (int side : {1, -1}) {
+            std::array<FaceNode, 4> face;
+            for (int k = 0; k < 4; ++k) {
+                const std::int32_t n = q[side > 0 ? k : (4 - k) % 4];
+                face[k] = shell == shells.end() ? FaceNode{n, 0, -1} : FaceNode{n, side, surface[f]};
+                double& d = offset[face[k]];
+                if (shell != shells.end()) d = side * std::max(std::abs(d), 0.5 * shell->second);
+            }
+            corners.push_back(face);
+            if (shell == shells.end()) break;  // a solid has one face
+        }
+    }
+    std::map<FaceNode, std::int32_t> index;
+    for (const auto& [node, d] : offset) {  // by node of the mesh
+        index[node] = std::int32_t(faces.node.size());
+        faces.node.push_back(std::get<0>(node));
+        faces.offset.push_back(d);
+    }
+    for (const auto& face : corners) {
+        Quad q;
+        for (int k = 0; k < 4; ++k) q[k] = index.at(face[k]);
+        faces.quad.push_back(q);
+    }
+    for (const auto& [node, d] : offset)
+        faces.twin.push_back(
+            index.at({std::get<0>(node), std::abs(std::get<1>(node)), std::get<2>(node)}));
+    if (std::all_of(faces.offset.begin(), faces.offset.end(), [](double d) { return d == 0; }))
+        faces.offset = {}, faces.twin = {};
+    return faces;
+}
 
 CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
                                     const std::vector<Part>& parts,
                                     const RigidShellFaces& faces) {
     CoupledSurface surface;
     const std::map<Quad, double> shells = shell_thicknesses(mesh, parts);
-    std::vector<std::array<FaceNode, 4>> corners;
-    std::map<FaceNode, double> offset;  // [m] the largest of the shells around a node
+    std::vector<Quad> all;
+    std::vector<std::int32_t> of;  // surface of each
     for (const FemSurface& s : c.fem.surface) {
         const std::int32_t number = std::int32_t(surface.names.size());
         std::size_t of_shells = 0;
         const std::vector<Quad>& facets = faces.facets_of(mesh, s.set, "fem.surface");
         for (const Quad& q : facets) {
-            const auto shell = shells.find(sorted_facet(q));
-            of_shells += shell != shells.end();
-            for (int side : {1, -1}) {
-                std::array<FaceNode, 4> face;
-                for (int k = 0; k < 4; ++k) {
-                    const std::int32_t n = q[side > 0 ? k : (4 - k) % 4];
-                    face[k] =
-                        shell == shells.end() ? FaceNode{n, 0, -1} : FaceNode{n, side, number};
-                    double& d = offset[face[k]];
-                    if (shell != shells.end())
-                        d = side * std::max(std::abs(d), 0.5 * shell->second);
-                }
-                corners.push_back(face);
-                surface.group.push_back(number);
-                if (shell == shells.end()) break;  // a solid has one face
-            }
+            const bool is_shell = shells.count(sorted_facet(q)) > 0;
+            of_shells += is_shell;
+            all.push_back(q);
+            of.push_back(number);
+            surface.group.insert(surface.group.end(), is_shell ? 2 : 1, number);
         }
         if (of_shells > 0 && of_shells < facets.size())
             throw InputError(
@@ -68,22 +95,7 @@ CoupledSurface make_coupled_surface(const Case& c, const Mesh& mesh,
                              "solids with submerged weights: take it out.");
         surface.names.push_back(s.name);
     }
-    std::map<FaceNode, std::int32_t> index;
-    for (const auto& [node, d] : offset) {  // by node of the mesh
-        index[node] = std::int32_t(surface.node.size());
-        surface.node.push_back(std::get<0>(node));
-        surface.offset.push_back(d);
-    }
-    for (const auto& face : corners) {
-        Quad q;
-        for (int k = 0; k < 4; ++k) q[k] = index.at(face[k]);
-        surface.quad.push_back(q);
-    }
-    for (const auto& [node, d] : offset)
-        surface.twin.push_back(
-            index.at({std::get<0>(node), std::abs(std::get<1>(node)), std::get<2>(node)}));
-    if (std::all_of(surface.offset.begin(), surface.offset.end(), [](double d) { return d == 0; }))
-        surface.offset = {}, surface.twin = {};
+    static_cast<FaceLayout&>(surface) = lay_out_faces(all, of, shells);
     return surface;
 }
 

@@ -16,6 +16,7 @@
 #include "fem_solver/setup/point_masses.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
 #include "fem_solver/section_force.hpp"
+#include "fem_solver/shells/face_layout.hpp"
 
 namespace undertow::fem {
 
@@ -27,14 +28,9 @@ struct Support {
 };
 
 /// The coupled surfaces as one list of facets on their own nodes.
-struct CoupledSurface {
+struct CoupledSurface : FaceLayout {
     std::vector<std::string> names;
-    std::vector<std::int32_t> node;   // of the mesh, increasing; of a shell each on both its faces
-    std::vector<Quad> quad;           // indices into `node`; normals out of the solid
     std::vector<std::int32_t> group;  // per quad, index into names
-    std::vector<double> offset;       // [m] of each node from the shell's middle, + and -; empty
-                                      // without shells
-    std::vector<std::int32_t> twin;   // of each node with an offset < 0 the one opposite
 };
 
 struct Probe {

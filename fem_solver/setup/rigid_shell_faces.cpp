@@ -115,9 +115,11 @@ RigidShellFaces::RigidShellFaces(const Case& c, Mesh& mesh, std::vector<RigidSet
 
     for (const auto& [set, of_set] : middles) {
         std::vector<Quad>& facets = facets_[set];
+        std::vector<std::int32_t>& opposite = opposite_[set];
         for (const Quad& q : mesh.facets_of(set, wanted[set])) {
             if (shells.count(sorted_facet(q)) == 0) {
                 facets.push_back(q);
+                opposite.push_back(-1);
                 continue;
             }
             Quad above, below;
@@ -125,6 +127,8 @@ RigidShellFaces::RigidShellFaces(const Case& c, Mesh& mesh, std::vector<RigidSet
                 above[k] = of_set.at(q[k]).face[0];
                 below[k] = of_set.at(q[(4 - k) % 4]).face[1];
             }
+            opposite.push_back(std::int32_t(facets.size() + 1));
+            opposite.push_back(std::int32_t(facets.size()));
             facets.push_back(above);
             facets.push_back(below);
         }
@@ -135,6 +139,11 @@ const std::vector<Quad>& RigidShellFaces::facets_of(const Mesh& mesh, const std:
                                                     const std::string& key) const {
     const auto found = facets_.find(set);
     return found == facets_.end() ? mesh.facets_of(set, key) : found->second;
+}
+
+std::vector<std::int32_t> RigidShellFaces::opposites_of(const std::string& set) const {
+    const auto found = opposite_.find(set);
+    return found == opposite_.end() ? std::vector<std::int32_t>{} : found->second;
 }
 
 }  // namespace undertow::fem

@@ -23,8 +23,13 @@ class RigidShellFaces {
     const std::vector<Quad>& facets_of(const Mesh& mesh, const std::string& set,
                                        const std::string& key) const;
 
+    /// Per facet of that list the other face of the same shell, -1 of a solid; empty where the set
+    /// has no such shells.
+    std::vector<std::int32_t> opposites_of(const std::string& set) const;
+
  private:
     std::map<std::string, std::vector<Quad>> facets_;
+    std::map<std::string, std::vector<std::int32_t>> opposite_;
 };
 
 }  // namespace undertow::fem

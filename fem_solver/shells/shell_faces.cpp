@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "fem_solver/setup/model.hpp"
-
 namespace undertow::fem {
 namespace {
 
@@ -16,11 +14,11 @@ Row cross(const Row& a, const Row& b) {
 
 }  // namespace
 
-ShellFaces::ShellFaces(const CoupledSurface& surface, const TurningNodes& turning)
-    : offset_(surface.offset), node_(surface.node), twin_(surface.twin) {
+ShellFaces::ShellFaces(const FaceLayout& faces, const TurningNodes& turning)
+    : offset_(faces.offset), node_(faces.node), twin_(faces.twin) {
     for (std::size_t i = 0; i < node_.size(); ++i)
         turning_.push_back(offset_[i] == 0 ? -1 : turning.index_of(node_[i]));
-    for (const Quad& q : surface.quad)
+    for (const Quad& q : faces.quad)
         if (offset_[q[0]] > 0) quad_.push_back(q);
     normal_.resize(node_.size());
 }

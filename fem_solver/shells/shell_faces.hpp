@@ -1,22 +1,21 @@
 #pragma once
-// Both faces of coupled shells. The coupler knows faces, half a thickness off the middle surface on
+// Both faces of shells that are coupled or in contact, half a thickness off the middle surface on
 // either side; a force on a face is a force and a moment on the node between them.
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "fem_solver/shells/face_layout.hpp"
 #include "fem_solver/shells/turning_nodes.hpp"
 
 namespace undertow::fem {
 
-struct CoupledSurface;
-
 class ShellFaces {
  public:
     ShellFaces() = default;
-    /// `surface` has offsets; turning: the nodes of the shells.
-    ShellFaces(const CoupledSurface& surface, const TurningNodes& turning);
+    /// `faces` has offsets; turning: the nodes of the shells.
+    ShellFaces(const FaceLayout& faces, const TurningNodes& turning);
 
     bool empty() const { return offset_.empty(); }
     /// Normals of the shape x, area-weighted means of the facets around a node.
@@ -24,6 +23,8 @@ class ShellFaces {
 
     /// [m] of node i of the surface, and [m/s] relative to the shell's node.
     Row lever(std::size_t i) const { return offset_[i] * as_row(normal_[i]); }
+    /// Row of the node among those that turn; -1 of a solid.
+    std::int32_t row(std::size_t i) const { return turning_[i]; }
     Row velocity(std::size_t i, const TurningNodes& turning) const;
     /// [kg] that a force on one face meets while the other is pushed alike: half of the node's,
     /// less for the turn that friction brings.

@@ -196,7 +196,8 @@ TEST_CASE(
     NodeRows load(s.nodes().size());
     for (std::size_t i = 0; i < s.pairs()[0].set().nodes.size(); ++i) {
         const std::int32_t n = s.pairs()[0].set().nodes[i];
-        load[n].c[2] = (s.nodes().x[n].c[2] > 0 ? -5e4 : 5e4) * s.pairs()[0].set().area[i];
+        load[n].c[2] = (s.nodes().x[n].c[2] > 0 ? -5e4 : 5e4) * std::min(1.0, weight) *
+                       s.pairs()[0].set().area[i];
     }
     const_cast<ContactPair&>(s.pairs()[0]).balance(load);
     Nodes& nodes = s.nodes();
