@@ -78,7 +78,7 @@ int Coupler::run_loop() {
 
         update_contact();
         resumed_ = false;
-        const AgreedStep step = agree_time_step();
+        const AgreedStep& step = agree_time_step();
         contact_->compute_forces(step.dt);
         send_forces(step);
         if (n_ == 0) report_start_inside();
@@ -166,10 +166,11 @@ double Coupler::longest_step() const {
                     participants_.offer(Participants::surface).dt);
 }
 
-AgreedStep Coupler::agree_time_step() {
-    offers_.assign({participants_.offer(Participants::particles),
-                    participants_.offer(Participants::surface),
-                    {contact_->step_limit(), "contact: speed of approach"}});
+const AgreedStep& Coupler::agree_time_step() {
+    offers_[0] = participants_.offer(Participants::particles);
+    offers_[1] = participants_.offer(Participants::surface);
+    offers_[2].dt = contact_->step_limit();
+    offers_[2].limiter = "contact: speed of approach";
     return agreement_.agree(t_, offers_);
 }
 
@@ -209,7 +210,8 @@ void Coupler::send_forces(const AgreedStep& step) {
         throw PhysicsError("The contact forces of step " + std::to_string(n_) +
                            " are not finite although all positions and velocities are: a mass, "
                            "radius or stiffness is out of range.");
-    wire::Force force;
+    wire::Force& force = force_;
+    force.flags = 0;
     force.n = n_;
     force.dt = step.dt;
     force.t1 = step.t1;

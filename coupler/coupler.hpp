@@ -43,7 +43,7 @@ class Coupler {
     void update_contact();
     void search();
     double longest_step() const;  // [s]
-    AgreedStep agree_time_step();
+    const AgreedStep& agree_time_step();
     void send_boxes();
     void send_active();
     void send_same_active();
@@ -78,7 +78,8 @@ class Coupler {
     std::int64_t n_ = 0;
     double t_ = 0;       // [s] at the start of step n
     AgreedStep step_{};  // the last agreed one
-    std::vector<StepOffer> offers_;
+    std::vector<StepOffer> offers_{3};
+    wire::Force force_;  // what both get; its text keeps its memory
     std::vector<std::uint32_t> phase_;  // of each active particle
     bool late_reported_ = false;
     bool resumed_ = false;  // this step's messages are those of the checkpoint

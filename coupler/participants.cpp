@@ -68,14 +68,22 @@ void Participants::receive() {
         here[who] = true;
         last_to_come_ = who;
         std::swap(latest_[who], incoming_.message);
+        note_offer(who);
     }
 }
 
-StepOffer Participants::offer(Role role) const {
-    return with_step(latest_[role], [&](const auto& step) {
-        const std::string owner = host_.name(role) + ": ";
-        return StepOffer{step.dt_limit,
-                         step.limiter.starts_with(owner) ? step.limiter : owner + step.limiter};
+/// The limiter with who it belongs to in front, if it does not say so itself.
+void Participants::note_offer(Role role) {
+    with_step(latest_[role], [&](const auto& step) {
+        const std::string& owner = host_.name(role);
+        const std::string_view text = step.limiter;
+        const bool named =
+            text.starts_with(owner) && text.substr(owner.size()).starts_with(": ");
+        StepOffer& offer = offers_[role];
+        offer.dt = step.dt_limit;
+        offer.limiter.clear();
+        if (!named) offer.limiter.append(owner).append(": ");
+        offer.limiter.append(text);
     });
 }
 
@@ -140,6 +148,7 @@ void Participants::archive(Archive& a) {
             a("revision", state.revision);
             a("reach", state.reach);
         }
+        if (a.reading()) note_offer(role);
     }
 }
 

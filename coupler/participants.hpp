@@ -50,7 +50,7 @@ class Participants {
     const wire::Probe& probe() const { return std::get<wire::Probe>(latest_[particles]); }
     const wire::State& particle_state() const { return std::get<wire::State>(latest_[particles]); }
     const wire::State& surface_state() const { return std::get<wire::State>(latest_[surface]); }
-    StepOffer offer(Role role) const;  // "sph: sound"
+    const StepOffer& offer(Role role) const { return offers_[role]; }  // "sph: sound"
     double work(Role role) const;      // particle- or element-steps done so far
     double waited(Role role) const;    // [s] it has waited for the coupler so far
     bool wants_to_stop() const;        // Ctrl-C at a participant
@@ -82,9 +82,12 @@ class Participants {
     const Waits& waits() const { return waits_; }
 
  private:
+    void note_offer(Role role);
+
     wire::Host host_;
     std::vector<std::vector<wire::Mesh>> meshes_;
     std::array<wire::Message, 2> latest_;
+    std::array<StepOffer, 2> offers_;                 // of the latest messages
     std::array<wire::Message, 2> forces_{wire::Force{}, wire::Force{}};  // reused each step
     wire::Received incoming_;
     Role last_to_come_ = particles;

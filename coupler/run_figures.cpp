@@ -18,15 +18,14 @@ double wall_seconds() {
 }
 
 /// "fem: hexahedron 17 of wall" -> "fem: hexahedron # of wall": one share per kind of limit.
-std::string without_numbers(const std::string& limiter) {
-    std::string kind;
+void without_numbers(const std::string& limiter, std::string& kind) {
+    kind.clear();
     for (char c : limiter) {
         if (!std::isdigit(static_cast<unsigned char>(c)))
             kind += c;
         else if (kind.empty() || kind.back() != '#')
             kind += '#';
     }
-    return kind;
 }
 
 /// A summary key: dots would make nested objects.
@@ -50,7 +49,8 @@ void RunFigures::count(const AgreedStep& step, const contact::PenaltyContact& co
     ++steps_;
     if (step.output) ++outputs_;
     for (double f : contact.on_particles()) largest_force_ = std::max(largest_force_, std::abs(f));
-    ++limited_by_[without_numbers(step.limiter)];
+    without_numbers(step.limiter, kind_);
+    ++limited_by_[kind_];
     momentum_residual_ = std::max(momentum_residual_, contact.momentum_residual());
 }
 

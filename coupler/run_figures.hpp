@@ -40,6 +40,7 @@ class RunFigures {
     double largest_force_ = 0;                     // [N] component on a particle
     double momentum_residual_ = 0;                 // [N] largest of any step
     std::map<std::string, std::int64_t> limited_by_;
+    std::string kind_;  // of the limiter, reused from step to step
     CheckpointFigures checkpoints_;
 };
 

@@ -39,15 +39,15 @@ class Alone final : public Link {
         if (checkpoints_.due(n, t, order_.finish, order_.interrupted))
             order_.checkpoint = checkpoint_id(n);
         offer_[0].dt = offer.dt;
-        offer_[0].limiter = "fem: " + offer.limiter;
+        offer_[0].limiter.assign("fem: ").append(offer.limiter);
     }
     /// The step is agreed after its checkpoint, which must not know it.
     const StepOrder& wait_order() override {
         if (order_.finish || !order_.checkpoint.empty()) return order_;
-        AgreedStep step = agreement_.agree(t_, offer_);
+        const AgreedStep& step = agreement_.agree(t_, offer_);
         order_.dt = step.dt;
         order_.t1 = step.t1;
-        order_.limiter = std::move(step.limiter);
+        order_.limiter = step.limiter;
         order_.output = step.output;
         return order_;
     }
@@ -145,7 +145,8 @@ class Coupled final : public Link {
     const StepOrder& wait_order() override {
         participant_.wait_reply(reply_);
         order_.finish = reply_.finish.has_value();
-        order_.checkpoint = reply_.checkpoint ? reply_.checkpoint->id : "";
+        order_.checkpoint.clear();
+        if (reply_.checkpoint) order_.checkpoint = reply_.checkpoint->id;
         if (reply_.finish) {
             order_.interrupted = reply_.finish->reason == "interrupted";
         } else if (reply_.force) {

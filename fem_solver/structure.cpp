@@ -395,21 +395,23 @@ const StableStep& Structure::stable_step() {
 }
 
 void Structure::check_health(std::int64_t n, double t) const {
-    const std::string when = "at t = " + number_text(t) + " s (step " + std::to_string(n) + ") ";
+    const auto when = [&] {  // made only for a sentence: not in every step
+        return "at t = " + number_text(t) + " s (step " + std::to_string(n) + ") ";
+    };
     const double sum = report_.strain_work + report_.hourglass_work + kick_.kinetic;
     if (!std::isfinite(sum) || !(report_.relative_volume > 0)) {
         const std::size_t e = elements_.most_compressed(nodes_);
         throw PhysicsError(
-            when + model_.mesh.element_name(e) + " of " + elements_.part_name(e) +
+            when() + model_.mesh.element_name(e) + " of " + elements_.part_name(e) +
             (std::isfinite(sum)
                  ? " has inverted (V/V0 = " + number_text(report_.relative_volume) + ")"
                  : " holds values that are not finite") +
             "; lower fem.cfl, refine the mesh there, or look for a load that is too large.");
     }
-    if (n % steps_between_shape_checks == 0) check_shape(when);
+    if (n % steps_between_shape_checks == 0) check_shape(when());
     const double speed = std::sqrt(kick_.speed2), sound = elements_.largest_wave_speed();
     if (speed > sound)
-        throw PhysicsError(when + "a node of the structure moves at " + number_text(speed) +
+        throw PhysicsError(when() + "a node of the structure moves at " + number_text(speed) +
                            " m/s, faster than sound in it (" + number_text(sound) +
                            " m/s): the computation is unstable; lower fem.cfl.");
 }

@@ -26,8 +26,9 @@ class LonelyLink : public Link {
 
     void offer(const StepState& state, const FluidSystem&) override { state_ = state; }
 
-    StepOrder wait(FluidSystem&) override {
-        StepOrder order;
+    const StepOrder& wait(FluidSystem&) override {
+        StepOrder& order = order_;
+        order.checkpoint.clear();
         order.interrupted = stop_requested();
         order.finished = last_ || order.interrupted || state_.t >= end_;
         // the step is agreed after its checkpoint, which must not know it
@@ -37,7 +38,9 @@ class LonelyLink : public Link {
             return order;
         }
         if (order.finished) return order;
-        const AgreedStep step = agreement_.agree(state_.t, {{state_.dt_limit, state_.limiter}});
+        offers_[0].dt = state_.dt_limit;
+        offers_[0].limiter = state_.limiter;
+        const AgreedStep& step = agreement_.agree(state_.t, offers_);
         order.dt = step.dt, order.t1 = step.t1;
         order.output = step.output;
         order.limiter = step.limiter;
@@ -58,6 +61,8 @@ class LonelyLink : public Link {
     std::int64_t kept_ = -1;  // step of the last checkpoint
     double end_;
     StepState state_{};
+    std::vector<StepOffer> offers_{1};
+    StepOrder order_;  // its texts keep their memory from step to step
     bool last_ = false;
 };
 
@@ -98,12 +103,13 @@ class CoupledLink : public Link {
             send_state(state, fluid);
     }
 
-    StepOrder wait(FluidSystem& fluid) override {
+    const StepOrder& wait(FluidSystem& fluid) override {
         participant_.wait_reply(reply_);
         wire::StepReply& reply = reply_;
+        StepOrder& order = order_;
+        order.checkpoint.clear();
         if (reply.checkpoint) {
             asked_ = reply.checkpoint->n;
-            StepOrder order;
             order.checkpoint = reply.checkpoint->id;
             return order;
         }
@@ -115,7 +121,6 @@ class CoupledLink : public Link {
         // a list that went on through the checkpoint is the one there is
         if (reply.active && (probe_ || !resumed_)) take_active(*reply.active, fluid);
         resumed_ = false;
-        StepOrder order;
         if (reply.finish) {
             order.finished = true;
             order.interrupted = reply.finish->reason == "interrupted";
@@ -283,6 +288,7 @@ class CoupledLink : public Link {
     bool resumed_ = false;                   // nothing has been said since
     wire::State state_;
     wire::StepReply reply_;
+    StepOrder order_;
     std::int64_t asked_ = 0;                 // step of the checkpoint that is being written
     std::vector<std::int64_t> candidates_;   // identities in the order of the last PROBE
     std::vector<std::int64_t> active_;       // identities in the order of STATE and FORCE

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "case/case.hpp"
 #include "checkpoint/archive_file.hpp"
@@ -16,7 +17,7 @@ struct StepState {
     std::int64_t n;
     double t;                  // [s]
     double dt_limit;           // [s]
-    std::string limiter;
+    std::string_view limiter;
     double work;               // particle-steps so far
 };
 
@@ -36,7 +37,8 @@ class Link {
     /// Shows positions and velocities at t^n and the stable step; returns at once.
     virtual void offer(const StepState& state, const FluidSystem& fluid) = 0;
     /// Waits for the agreed step; contact accelerations are in fluid.particles.fx, fy, fz then.
-    virtual StepOrder wait(FluidSystem& fluid) = 0;
+    /// The order holds until the next one.
+    virtual const StepOrder& wait(FluidSystem& fluid) = 0;
     /// The checkpoint of the last order is on the disk.
     virtual void confirm(const WrittenFile& file) = 0;
     /// Called in long work between two messages: who waits for this program learns that it lives.

@@ -109,13 +109,12 @@ void Recorder::write_wall_forces(double t, const FluidSystem& fluid) {
 void Recorder::write_energies(double t, const FluidSystem& fluid) {
     const Particles& p = fluid.particles;
     const Vec3& g = fluid.physics().gravity;   // along a periodic axis there is no potential
-    struct Sums {
-        double kinetic = 0, potential = 0, elastic = 0;
-    };
+    using Sums = EnergySums;
     using ByFluid = std::array<Sums, FluidTag::most>;
     constexpr int block = 4096;   // particles; sums of blocks, in order: the same for any threads
     const int n = static_cast<int>(p.size()), blocks = (n + block - 1) / block;
-    std::vector<ByFluid> part(blocks);
+    std::vector<ByFluid>& part = energy_parts_;
+    part.assign(blocks, ByFluid{});
 #pragma omp parallel for schedule(static)
     for (int b = 0; b < blocks; ++b)
         for (int i = b * block; i < std::min(n, (b + 1) * block); ++i) {

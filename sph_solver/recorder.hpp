@@ -47,6 +47,9 @@ class Recorder {
     double last_fields() const { return last_fields_; }   // time of those written last [s]; < 0: none
 
  private:
+    struct EnergySums {   // without the masses
+        double kinetic = 0, potential = 0, elastic = 0;
+    };
     void write_energies(double t, const FluidSystem& fluid);
     void write_wall_forces(double t, const FluidSystem& fluid);
 
@@ -66,6 +69,7 @@ class Recorder {
     double wall_force_ = -1;
     double last_fields_ = -1;          // [s]
     LossReport losses_;
+    std::vector<std::array<EnergySums, FluidTag::most>> energy_parts_;  // of blocks, reused
 };
 
 }  // namespace undertow::sph

@@ -184,7 +184,7 @@ int run(const Case& input, const SolverOptions& options) {
                                 cfl, input.sph.force_cfl);
                 check_floor(stable, t, input.time.min_step, fluid, c0, recorder.last_fields());
                 loop.dt_limit = stable.dt;
-                loop.limiter = std::string("sph: ") + stable.limiter;
+                loop.limiter.assign("sph: ").append(stable.limiter);
                 offer();
                 watch.lap(figures.contact_wait);
 

@@ -23,9 +23,10 @@ StepAgreement::StepAgreement(const TimeSettings& time, double fields_every)
     : time_(time),
       fields_every_(fields_every > 0 ? fields_every : std::numeric_limits<double>::infinity()) {}
 
-AgreedStep StepAgreement::agree(double t, const std::vector<StepOffer>& offers) {
+const AgreedStep& StepAgreement::agree(double t, const std::vector<StepOffer>& offers) {
     double dt = std::numeric_limits<double>::infinity();
-    std::string limiter;
+    std::string& limiter = step_.limiter;
+    limiter.clear();
     for (const StepOffer& offer : offers) {
         if (!(offer.dt >= time_.min_step))
             throw StepCollapse("At t = " + number_text(t, 4) + " s the stable step fell to " +
@@ -57,13 +58,17 @@ AgreedStep StepAgreement::agree(double t, const std::vector<StepOffer>& offers) 
     const double steps = std::max(1.0, std::ceil(left / dt * (1 - round_off)));
     if (steps <= 1) {
         if (left < dt * (1 - round_off)) limiter = "output";
-        return {left, target, limiter, true, end_first};
+        step_.dt = left, step_.t1 = target;
+        step_.output = true, step_.last = end_first;
+        return step_;
     }
     if (steps <= last_steps && left / steps < dt * (1 - round_off)) {
         dt = left / steps;
         limiter = "output";
     }
-    return {dt, t + dt, limiter, false, false};
+    step_.dt = dt, step_.t1 = t + dt;
+    step_.output = step_.last = false;
+    return step_;
 }
 
 void StepAgreement::archive(Archive& a) {

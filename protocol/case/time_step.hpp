@@ -32,7 +32,8 @@ class Archive;
 class StepAgreement {
  public:
     StepAgreement(const TimeSettings& time, double fields_every);
-    AgreedStep agree(double t, const std::vector<StepOffer>& offers);
+    /// Holds until the next one.
+    const AgreedStep& agree(double t, const std::vector<StepOffer>& offers);
     void archive(Archive& a);
 
  private:
@@ -40,6 +41,7 @@ class StepAgreement {
     double fields_every_;
     std::int64_t next_output_ = 1;
     double last_free_dt_ = 0;   // last dt before fitting; 0 = no step yet
+    AgreedStep step_{};         // its text keeps its memory from step to step
 };
 
 }  // namespace undertow
