@@ -15,13 +15,18 @@ namespace {
 constexpr std::array<char, 8> magic{'U', 'T', 'O', 'W', 'r', 'e', 'c', '1'};
 constexpr std::uint64_t multiplier = 0x9e3779b97f4a7c15;
 
-/// The key `wait` follows the clock: zero in a recording. Headers are canonical, so it stands there
-/// as the text and a float64.
-void forget_the_clock(std::string& header) {
-    static constexpr std::string_view key = "\xa4wait\xcb";
+void blank(std::string& header, std::string_view key, std::size_t bytes, char with) {
     const std::size_t at = header.find(key);
-    if (at != std::string::npos && at + key.size() + 8 <= header.size())
-        std::fill_n(header.begin() + std::ptrdiff_t(at + key.size()), 8, '\0');
+    if (at != std::string::npos && at + key.size() + bytes <= header.size())
+        std::fill_n(header.begin() + std::ptrdiff_t(at + key.size()), bytes, with);
+}
+
+/// The key `wait` follows the clock, and so does the sum of a checkpoint's file, which holds times:
+/// zero in a recording. Headers are canonical, so they stand there as the key's text and a float64,
+/// or a text of 64 characters.
+void forget_the_clock(std::string& header) {
+    blank(header, "\xa4wait\xcb", 8, '\0');
+    blank(header, "\xa3sha\xd9\x40", 64, '0');
 }
 
 /// Value of the key `m`, which is the first one in the canonical form.
@@ -87,7 +92,7 @@ void RecordingWriter::add(Said who, const Message& message) {
     for (std::size_t i = 0; i < n_arrays; ++i)
         put(frames_.arrays[i].data(), frames_.arrays[i].size());
     if (std::holds_alternative<Finish>(message) || std::holds_alternative<Bye>(message) ||
-        std::holds_alternative<Error>(message))
+        std::holds_alternative<Error>(message) || std::holds_alternative<CheckpointAck>(message))
         file_.flush();
 }
 

@@ -9,8 +9,8 @@
 //               the arrays one after the other
 //
 // Little-endian. Of what the participant said only the header stands there whole, and in place of
-// its arrays one of 8 bytes, their fingerprint(). What follows the clock is left out: PROGRESS, and
-// the key `wait`, which is 0.
+// its arrays one of 8 bytes, their fingerprint(). What follows the clock is left out: PROGRESS, the
+// key `wait`, which is 0, and the sum of a checkpoint's file, `sha`, whose digits are 0.
 
 #include <cstdint>
 #include <fstream>

@@ -82,8 +82,10 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
 
     options = cases.layer_options(arguments) + (["--resume", str(resume)] if resume else [])
     wire = ["--keys", str(Path(arguments.keys).absolute())] if arguments.keys else []
+    # a recording is that of the run's first part, from its start: a resumed run adds nothing
     outcome = run_programs(case, options, out, threads, arguments.fem, quiet, wire,
-                           ["--record"] if arguments.record else [])
+                           ["--record"] if arguments.record and not resume else [],
+                           "commands.resumed.txt" if resume else "commands.txt")
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": arguments.level,
                "variants": arguments.variants, "set": arguments.set, "ok": outcome.code == DONE,
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "cpu_s": round(outcome.cpu_s, 3), "threads": threads,

@@ -218,13 +218,13 @@ def cpu_of_children():
     return usage.ru_utime + usage.ru_stime
 
 
-def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_coupler=()):
+def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_coupler=(), commands="commands.txt"):
     """Runs a case; returns an Outcome. The socket lives in a private folder that goes with the run."""
     private = tempfile.mkdtemp(prefix="undertow-")       # mode 0700
     try:
         endpoint = free_endpoint((case["coupling"] or {}).get("transport", "ipc"), private)
         children = plan(case, layer_options, out, threads, backend, quiet, endpoint, wire, of_coupler)
-        (out / "commands.txt").write_text("".join(shlex.join(map(str, c.command)) + "\n" for c in children))
+        (out / commands).write_text("".join(shlex.join(map(str, c.command)) + "\n" for c in children))
         sys.stdout.flush()
         before = cpu_of_children()
         outcome = Watch(children, out).run()

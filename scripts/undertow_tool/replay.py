@@ -5,6 +5,7 @@ and waiting for each other's slow steps.
 """
 import json
 import shlex
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -58,6 +59,7 @@ def measure(folder, who):
     place = Path.cwd() if Path(command[1]).exists() else TOP
     done = subprocess.run(command, cwd=place, env=environment(threads), capture_output=True, text=True, check=False)
     cpu = cpu_of_children() - before
+    shutil.rmtree(out / "checkpoints", ignore_errors=True)      # parts of sets, written as the run wrote them
     if done.returncode != 0:
         raise RunFailed(done.returncode, f"the replay of {who} ended with {done.returncode}: {done.stderr.strip()}")
     own, run = read_json(out / f"summary.{who}.json") or {}, read_json(folder / "summary.coupler.json") or {}

@@ -57,10 +57,8 @@ def take_up(out, arguments, parser):
     folder = chosen_set(out, arguments.from_set) if arguments.from_set else newest_set(out)
     refuse_if_running(out)
     case = cases.resolve(told["case"], cases.layer_options(began))
-    if began.fem:
-        backend = Path(told["folder"], began.fem)
-        raise UserError(f"the run had {backend} in the place of fem_solver, whose state no checkpoint "
-                        "holds; run the case anew.")
+    if began.fem:       # one that can write checkpoints: the coupler refuses the others at the start
+        began.fem = str(Path(told["folder"], began.fem))
     threads = arguments.threads or told.get("threads") or os.cpu_count()
     told.setdefault("resumed", []).append(
         {**{key: value for key, value in describe_run([], threads).items() if key != "command"},

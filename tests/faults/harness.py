@@ -74,11 +74,17 @@ class Program:
         text = next((line for line in lines if "error" in line), lines[0] if lines else "")
         return re.sub(r"^.*?error\S*: ", "", text)
 
-    def memory(self, key="VmRSS"):
+    def memory(self, key="VmRSS", pid=None):
         """[kB] of /proc/PID/status; VmHWM is the peak. None of a process that has ended."""
-        text = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        text = pathlib.Path(f"/proc/{pid or self.process.pid}/status").read_text()
         found = re.search(key + r":\s+(\d+)", text)
         return int(found[1]) if found else None
+
+    def only_child(self):
+        """The process that a measured program runs in."""
+        pid = self.process.pid
+        (child,) = pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        return int(child)
 
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
@@ -115,8 +121,10 @@ class Scene:
         self.programs[name] = Program(name, command, self.out, log, **how)
         return self.programs[name]
 
-    def start_coupler(self, *options, name="coupler", out=None, **how):
-        return self.start(name, [BIN / "coupler", self.case, "--out", out or self.out, "--endpoint",
+    def start_coupler(self, *options, name="coupler", out=None, measured=False, **how):
+        """measured: its largest memory is known when it has ended, see peak()."""
+        before = [BIN / "peak_memory", self.path / f"{name}.peak"] if measured else []
+        return self.start(name, [*before, BIN / "coupler", self.case, "--out", out or self.out, "--endpoint",
                                  self.endpoint, "--quiet", *options], **how)
 
     def start_solver(self, name, *options, **how):
@@ -141,6 +149,10 @@ class Scene:
             return json.loads((self.out / "status.json").read_text())
         except (OSError, ValueError):
             return {}
+
+    def peak(self, name="coupler"):
+        """[kB] the most memory that a measured program had, from its rusage; it must have ended."""
+        return int((self.path / f"{name}.peak").read_text())
 
     def wait_for_step(self, step, seconds=20):
         """Until the coupler reports more than `step` steps (it does so once a second)."""

@@ -14,27 +14,27 @@ NAN, INFINITY = math.nan, math.inf
 
 class WrongMessages(Case):
     def refuse(self, row, code, says, make, steps=20, memory=64):
-        """make(surface) gives the frames or the message that is sent in step `steps`."""
+        """make(surface) gives the frames or the message that is sent in step `steps`. Returns by how
+        much the coupler's memory grew [kB]: the most it ever had less the most before the message."""
         with Scene("dummies") as scene:
-            coupler = scene.start_coupler()
+            coupler = scene.start_coupler(measured=True)
             scene.start_dummy("particles", "--height", "1")
             surface = Surface(scene.endpoint)
             try:
                 surface.step(steps)
-                before = coupler.memory("VmHWM")
+                before = coupler.memory("VmHWM", coupler.only_child())
                 frames = make(surface)
                 scene.now()
                 surface.send(frames)
                 error = surface.answer()
-                grown = 0
-                if coupler.process.poll() is None:
-                    grown = (coupler.memory("VmHWM") or before) - before
                 scene.expect("coupler", 3, code, row=row)
                 scene.expect("coupler", 3, says)
                 scene.expect("sph", 3, code, row=row)
                 self.assertIsNotNone(error, "the sender was not told")
                 self.assertEqual(error.code, code)
+                grown = scene.peak() - before
                 self.assertLess(grown, memory * 1024, "kB of extra memory")
+                return grown
             finally:
                 surface.close()
 
@@ -84,6 +84,14 @@ class WrongMessages(Case):
         nest = b"\x81\xa1m" + b"\x91" * 60000 + b"\x05"
         self.refuse(5, "E_MALFORMED", "fem sent a wrong message", lambda _: [nest])
 
+    def test_the_measurement_sees_a_message_of_100_MB(self):
+        """A frame below `max` is received before its shape is judged: that much memory, and no more."""
+        def large(surface):
+            frames = protocol.encode(surface.state())
+            return [*frames[:-1], bytes(100 << 20)]
+        grown = self.refuse(5, "E_SHAPE", "fem sent a wrong message", large, memory=164)
+        self.assertGreater(grown, 90 * 1024)
+
     # ------------------------------------------------------------ rows 6, 7
 
     def test_a_missing_frame(self):
@@ -109,18 +117,18 @@ class WrongMessages(Case):
 
     def test_a_frame_above_the_limit_closes_the_connection(self):
         with Scene("dummies") as scene:
-            coupler = scene.start_coupler()
+            coupler = scene.start_coupler(measured=True)
             scene.start_dummy("particles", "--height", "1")
             surface = Surface(scene.endpoint)
             try:
                 surface.step(20)
-                before = coupler.memory("VmHWM")
+                before = coupler.memory("VmHWM", coupler.only_child())
                 frames = protocol.encode(surface.state())
                 scene.now()
                 surface.send([frames[0], np.zeros((513 << 20) // 8), frames[2]])
                 scene.expect("coupler", 3, "fem vanished in step 20", row=7)
                 scene.expect("sph", 3, "fem vanished in step 20", row=7)
-                self.assertLess(before, 64 * 1024)
+                self.assertLess(scene.peak() - before, 64 * 1024, "kB of extra memory")
             finally:
                 surface.close()
 

@@ -59,6 +59,22 @@ class Trio(Trios):
         self.tool("resume", run.out)
         whole.must_equal(run)
 
+    def test_a_recording_holds_the_checkpoints_and_is_not_touched_by_a_resume(self):
+        run = self.trio("--record", "--set", "checkpoint.every=0.02", "--set", "checkpoint.keep=100")
+        recordings = [run.out / f"recording.{who}.utow" for who in ("sph", "fem")]
+        before = [path.read_bytes() for path in recordings]
+        for resumed in (False, True):
+            if resumed:
+                run.go_on("--from", run.sets()[0].name)
+            for who, path in zip(("sph", "fem"), recordings):
+                with self.subTest(who, resumed=resumed):
+                    self.assertIn(b"step_", path.read_bytes())
+                    said = self.said_by("replay", run.out, who)
+                    self.assertIn("every message is the recorded one, bit by bit", said)
+                    self.assertFalse((run.out / f"replay.{who}" / "checkpoints").exists())
+                    self.assertIn("checkpoint step_", (run.out / f"replay.{who}" / f"{who}_solver.log").read_text())
+        self.assertEqual([path.read_bytes() for path in recordings], before)
+
     def test_files_of_two_sets_are_refused(self):
         run = self.trio("--set", "checkpoint.every=0.01", "--set", "time.end=0.025")
         old, new = run.sets()

@@ -4,6 +4,7 @@ import re
 import signal
 import unittest
 
+from scenes import TOP
 from trios import Trios, poor_disk
 
 EVERY = ("--set", "checkpoint.every=0.02", "--set", "checkpoint.keep=100")
@@ -54,6 +55,20 @@ class TrioTrouble(Trios):
                 for log in ("sph_solver.log", "fem_solver.log", "coupler.log"):
                     self.assertIn(f"{self.second}/{who}.h5", (run.out / log).read_text())
                 self.goes_on_from_the_first(run)
+
+    def test_a_backend_that_cannot_is_refused_by_name(self):
+        backend = ("--backend", TOP / "scripts" / "backends" / "spring_wall.py", "--with", "spring")
+        run = self.not_yet()
+        said = self.tool("run", run.case, "--out", run.out, *backend, *EVERY, code=2)
+        self.assertIn("trio.toml: [checkpoint]: fem (spring_wall 0.1.0) cannot write checkpoints; "
+                      "leave the table out.", said)
+        for log in ("sph_solver.log", "fem_solver.log", "coupler.log"):
+            self.assertIn("cannot write checkpoints", (run.out / log).read_text())
+        self.assertEqual(list(run.out.glob("checkpoints/*")), [])
+        # without the table it runs, and says why there is nothing to go on from
+        run = self.not_yet()
+        self.tool("run", run.case, "--out", run.out, *backend)
+        self.assertIn("holds no checkpoint", self.tool("resume", run.out, code=2))
 
     def test_killed_in_the_middle_of_a_checkpoint(self):
         for who in ("sph", "fem", "coupler"):

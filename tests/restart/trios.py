@@ -66,10 +66,14 @@ class Trios(Restart):
             self.assertLess(time.monotonic(), end, f"{what} did not come within {seconds} s")
             time.sleep(0.002)
 
-    def status_line(self, run):
-        return subprocess.run(["/usr/bin/python3", str(TOP / "scripts" / "undertow"), "status",
-                               str(run.out)], env=ENVIRONMENT, text=True, check=True,
+    def said_by(self, *arguments):
+        """What scripts/undertow says."""
+        return subprocess.run(["/usr/bin/python3", str(TOP / "scripts" / "undertow"),
+                               *map(str, arguments)], env=ENVIRONMENT, text=True, check=True,
                               stdout=subprocess.PIPE).stdout
+
+    def status_line(self, run):
+        return self.said_by("status", run.out)
 
     def status(self, run):
         try:

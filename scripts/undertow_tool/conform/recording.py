@@ -37,7 +37,7 @@ def fingerprint(arrays):
 
 def keys_of(header):
     keys = msgpack.unpackb(header)
-    return {key: value for key, value in keys.items() if key != "wait"}
+    return {key: value for key, value in keys.items() if key not in ("wait", "sha")}     # they follow the clock
 
 
 def play(meeting, path):
@@ -48,7 +48,8 @@ def play(meeting, path):
         kind = keys_of(frames[0])["m"]
         if speaker == BY_COUPLER:
             if "caps" in keys_of(frames[0]):        # WELCOME: over the socket, whatever it was
-                frames = [msgpack.packb({**msgpack.unpackb(frames[0]), "caps": []})]
+                keys = msgpack.unpackb(frames[0])
+                frames = [msgpack.packb({**keys, "caps": [cap for cap in keys["caps"] if cap != "shm1"]})]
             meeting.send_frames(frames)
             continue
         message = meeting.receive(*[m for m in LAYOUT if m != PROGRESS])
