@@ -79,7 +79,7 @@ class Coupler {
     double t_ = 0;       // [s] at the start of step n
     AgreedStep step_{};  // the last agreed one
     std::vector<StepOffer> offers_{3};
-    wire::Force force_;  // what both get; its text keeps its memory
+    wire::Force force_;                 // what both get; its text keeps its memory
     std::vector<std::uint32_t> phase_;  // of each active particle
     bool late_reported_ = false;
     bool resumed_ = false;  // this step's messages are those of the checkpoint

@@ -77,8 +77,7 @@ void Participants::note_offer(Role role) {
     with_step(latest_[role], [&](const auto& step) {
         const std::string& owner = host_.name(role);
         const std::string_view text = step.limiter;
-        const bool named =
-            text.starts_with(owner) && text.substr(owner.size()).starts_with(": ");
+        const bool named = text.starts_with(owner) && text.substr(owner.size()).starts_with(": ");
         StepOffer& offer = offers_[role];
         offer.dt = step.dt_limit;
         offer.limiter.clear();

@@ -87,7 +87,7 @@ class Participants {
     wire::Host host_;
     std::vector<std::vector<wire::Mesh>> meshes_;
     std::array<wire::Message, 2> latest_;
-    std::array<StepOffer, 2> offers_;                 // of the latest messages
+    std::array<StepOffer, 2> offers_;                                    // of the latest messages
     std::array<wire::Message, 2> forces_{wire::Force{}, wire::Force{}};  // reused each step
     wire::Received incoming_;
     Role last_to_come_ = particles;

@@ -1,6 +1,6 @@
-// peak_memory FILE COMMAND...: runs the command and writes the largest memory that it ever had, in kB,
-// to FILE when it has ended. Its exit code is the command's; it is small itself, so that what the
-// system counts from before the command began is small, too.
+// peak_memory FILE COMMAND...: runs the command and writes the largest memory that it ever had, in
+// kB, to FILE when it has ended. Its exit code is the command's; it is small itself, so that what
+// the system counts from before the command began is small, too.
 #define _GNU_SOURCE
 #include <signal.h>
 #include <stdio.h>
