@@ -76,7 +76,8 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing, Begin begi
       absorbing_(input, physics_),
       near_walls_(widest_of(physics_), mirror_.size(), static_cast<int>(input.sph.body.size()),
                   static_cast<int>(physics_.fluids.size())) {
-    if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
+    if (physics_.implicit_viscosity)
+        implicit_.emplace(input.sph.viscosity_tolerance, input.sph.precision);
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     particles.set_precision(physics_.precision);
