@@ -6,6 +6,7 @@
 
 #include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/kernels/lattice_moment.hpp"
+#include "sph_solver/kernels/strain_weight.hpp"
 #include "sph_solver/physics/viscosity_plan.hpp"
 #include "wire/errors.hpp"
 
