@@ -105,9 +105,12 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing, Begin begi
         for (int k = 0; k < mirror_.size(); ++k)
             if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < 0)
                 throw InputError(fmt::format(
-                    "{}: sph.fill puts a particle at ({:.4g}, {:.4g}, {:.4g}), behind sph.plane "
-                    "\"{}\": its normal must point into the fluid.", input.file, particles.x[i],
-                    particles.y[i], particles.z[i], mirror_.plane(k).name));
+                    "{}: sph.fill puts a particle at ({:.4g}, {:.4g}, {:.4g}), {:.3g} m behind "
+                    "sph.plane \"{}\": end the box of the fill at the plane; or, if the fluid belongs "
+                    "on that side, turn the plane's normal, which must point into the fluid.",
+                    input.file, particles.x[i], particles.y[i], particles.z[i],
+                    -mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]),
+                    mirror_.plane(k).name));
     }
     if (input.sph.lattice == FillLattice::relaxed && begin == Begin::anew) {
         relaxation_ = relax(*this, input);
