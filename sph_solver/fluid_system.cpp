@@ -76,7 +76,8 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing, Begin begi
       absorbing_(input, physics_),
       near_walls_(widest_of(physics_), mirror_.size(), static_cast<int>(input.sph.body.size()),
                   static_cast<int>(physics_.fluids.size())) {
-    if (physics_.implicit_viscosity) implicit_.emplace(input.sph.viscosity_tolerance);
+    if (physics_.implicit_viscosity)
+        implicit_.emplace(input.sph.viscosity_tolerance, input.sph.precision);
     Filled filled = fill_particles(input, physics_.fluids);
     particles = std::move(filled.particles);
     particles.set_precision(physics_.precision);
@@ -104,9 +105,12 @@ FluidSystem::FluidSystem(const Case& input, double skin_over_spacing, Begin begi
         for (int k = 0; k < mirror_.size(); ++k)
             if (mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]) < 0)
                 throw InputError(fmt::format(
-                    "{}: sph.fill puts a particle at ({:.4g}, {:.4g}, {:.4g}), behind sph.plane "
-                    "\"{}\": its normal must point into the fluid.", input.file, particles.x[i],
-                    particles.y[i], particles.z[i], mirror_.plane(k).name));
+                    "{}: sph.fill puts a particle at ({:.4g}, {:.4g}, {:.4g}), {:.3g} m behind "
+                    "sph.plane \"{}\": end the box of the fill at the plane; or, if the fluid belongs "
+                    "on that side, turn the plane's normal, which must point into the fluid.",
+                    input.file, particles.x[i], particles.y[i], particles.z[i],
+                    -mirror_.distance(k, particles.x[i], particles.y[i], particles.z[i]),
+                    mirror_.plane(k).name));
     }
     if (input.sph.lattice == FillLattice::relaxed && begin == Begin::anew) {
         relaxation_ = relax(*this, input);

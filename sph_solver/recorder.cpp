@@ -34,7 +34,7 @@ void add_viscosity_figures(const ImplicitViscosity& viscosity, Summary& s) {
     if (i.not_converged == 0) return;
     log_warning(fmt::format(
         "the implicit viscosity did not get to sph.viscosity_tolerance, in {} iterations or as far "
-        "as float32 goes, in {} of {} steps; at worst {:.3g} times the tolerance was left and "
+        "as sph.precision goes, in {} of {} steps; at worst {:.3g} times the tolerance was left and "
         "carried into the next step. A lower max_viscosity or a smaller time.max_step makes it "
         "converge, a larger tolerance admits what is left",
         viscosity.most_iterations(), i.not_converged, i.steps, i.worst_residual));

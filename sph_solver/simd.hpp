@@ -3,34 +3,18 @@
 // pair physics is instantiated with float8 (fast), double8 (sph.precision = "double"), and with
 // double (reference).
 
+// For loops only: headers that many include take the types alone from lanes.hpp, for immintrin.h costs
+// each file a third of a second to compile.
+
 #include <cmath>
 #include <cstdint>
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
 
+#include "sph_solver/lanes.hpp"
+
 namespace undertow::sph {
-
-inline constexpr int lanes = 8;
-typedef float float8 __attribute__((vector_size(32)));
-typedef double double8 __attribute__((vector_size(64)));
-typedef std::int32_t int8 __attribute__((vector_size(32)));
-
-/// Eight of a number, and eight positions: fixed-point for float, see FixedPoint.
-template <class Real>
-struct EightOf;
-template <>
-struct EightOf<float> {
-    using Number = float8;
-    using Place = int8;
-};
-template <>
-struct EightOf<double> {
-    using Number = double8;
-    using Place = double8;
-};
-template <class Real>
-using Eight = typename EightOf<Real>::Number;
 
 inline float square_root(float a) { return std::sqrt(a); }
 inline double square_root(double a) { return std::sqrt(a); }

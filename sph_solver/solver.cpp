@@ -15,6 +15,7 @@
 #include "sph_solver/fluid_system.hpp"
 #include "sph_solver/physics/stable_step.hpp"
 #include "sph_solver/recorder.hpp"
+#include "sph_solver/setup/doubts.hpp"
 #include "wire/failure.hpp"
 
 namespace undertow::sph {
@@ -50,10 +51,11 @@ void check(const Health& health, double t, const FluidSystem& fluid) {
     const Packed& before = fluid.neighbors().records()[i];
     throw PhysicsError(fmt::format(
         "Particle {} near ({:.4g}, {:.4g}, {:.4g}) m got a velocity or density that is not finite in "
-        "the step to t = {:.6g} s. The fields written before are whole; look at the last one, then try "
-        "a smaller sph.cfl or a finer sph.spacing.",
+        "the step to t = {:.6g} s. The fields written before are whole: look at the last one. Usual "
+        "causes: a sound_speed far below ten times the fastest speed (here {:.3g} m/s), a body or plane "
+        "that squeezes fluid with no way out, sph.cfl above its default.",
         fluid.particles.id[i], fixed.x0 + before.x * fixed.unit, fixed.y0 + before.y * fixed.unit,
-        fixed.z0 + before.z * fixed.unit, t));
+        fixed.z0 + before.z * fixed.unit, t, fluid.largest_sound_speed()));
 }
 
 /// The coupler would refuse such an offer as well; only here is it known which particle makes it.
@@ -76,10 +78,14 @@ void check_floor(const StableStep& stable, double t, double min_step, const Flui
                         : fmt::format("The last good fields are those of t = {:.6g} s: look at that "
                                       "place there.",
                                       last_fields),
-        limiter == "viscosity" ? "A lower max_viscosity of that fluid, or a coarser sph.spacing, "
-                                 "allows a longer step."
-                               : "If the state is sound there, lower time.min_step; if it is not, "
-                                 "try a smaller sph.cfl or a finer sph.spacing."));
+        limiter == "viscosity"
+            ? "A lower max_viscosity of that fluid, or a coarser sph.spacing, allows a longer step."
+        : t == 0 && limiter == "sound"
+            ? "That is the step of fluid at rest, nothing has gone wrong: lower time.min_step to a "
+              "tenth of it, or leave it out."
+            : "If the state is sound there, lower time.min_step; if it is not, something is squeezed "
+              "or thrown: look for fluid between closing walls and for a sound_speed that is too "
+              "small. A finer sph.spacing shortens the step further."));
 }
 
 }  // namespace
@@ -92,6 +98,7 @@ int run(const Case& input, const SolverOptions& options) {
     const Integrator integrator = input.sph.integrator;
     const Begin begin = options.resume.empty() ? Begin::anew : Begin::resumed;
     FluidSystem fluid(input, alone && integrator != Integrator::one_pass ? 0.4 : 0.2, begin);
+    const std::vector<std::string> doubts = doubts_at_start(input, fluid);
     const double one_pass_cfl = default_cfl(Integrator::one_pass, input.sph.smoothing_ratio);
     const double cfl = acoustic_cfl(input.sph);
     const double c0 = fluid.largest_sound_speed();
@@ -103,6 +110,7 @@ int run(const Case& input, const SolverOptions& options) {
     ProgressLine progress(options.quiet || !alone, alone ? options.folder + "/status.json" : "");
     log_info(fmt::format("{} particles, spacing {:.4g} m, c0 = {:.4g} m/s, {} threads",
                          fluid.particles.size(), fluid.spacing(), c0, threads));
+    for (const std::string& doubt : doubts) log_warning(doubt);
     for (std::size_t k = 0; k < fluid.fluids().size(); ++k)
         if (fluid.sizes().used())
             log_info(fmt::format("fluid \"{}\": spacing {:.4g} m, smoothing length {:.4g} m{}",

@@ -205,14 +205,17 @@ void SurfaceImages::archive(Archive& a) {
     a("stale", stale_);
 }
 
-void ImplicitViscosity::archive(Archive& a) {
-    a.flat<float>("before", before_);
+template <class Real>
+void ImplicitUpdate<Real>::archive(Archive& a) {
+    a.flat<Real>("before", before_);
     a("steps", figures_.steps);
     a("iterations", figures_.iterations);
     a("most_iterations", figures_.most_iterations);
     a("not_converged", figures_.not_converged);
     a("worst_residual", figures_.worst_residual);
 }
+template void ImplicitUpdate<float>::archive(Archive&);
+template void ImplicitUpdate<double>::archive(Archive&);
 
 void FluidSystem::archive(Archive& a) {
     archive_particles(a, particles);

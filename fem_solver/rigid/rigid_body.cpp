@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "checkpoint/archive.hpp"
+#include "fem_solver/rigid/largest_eigenvalue.hpp"
 #include "fem_solver/rigid/rotation.hpp"
 
 namespace undertow::fem {
@@ -268,26 +269,30 @@ double RigidBody::reach() const {
 }
 
 double RigidBody::yield_to(const std::vector<Vec3>& x, const std::vector<double>& k) const {
-    using Matrix6 = Eigen::Matrix<double, 6, 6>;
     const State& s = *s_;
-    Matrix6 K = Matrix6::Zero(), M = Matrix6::Identity();
+    double K[6][6] = {}, M[6][6] = {};
     for (std::size_t i = 0; i < x.size(); ++i) {
-        Eigen::Matrix<double, 3, 6> moves;  // of the point by the six degrees of freedom
-        moves << Matrix::Identity(), -cross_matrix(vector(x[i]) - s.center);
-        K += k[i] * moves.transpose() * moves;
+        double moves[3][6] = {};  // of the point by the six degrees of freedom
+        const Matrix turns = -cross_matrix(vector(x[i]) - s.center);
+        for (int a = 0; a < 3; ++a) {
+            moves[a][a] = 1;
+            for (int b = 0; b < 3; ++b) moves[a][3 + b] = turns(a, b);
+        }
+        for (int p = 0; p < 6; ++p)
+            for (int q = 0; q < 6; ++q)
+                for (int a = 0; a < 3; ++a) K[p][q] += k[i] * moves[a][p] * moves[a][q];
     }
-    M.topLeftCorner<3, 3>() *= s.mass;
-    M.bottomRightCorner<3, 3>() = s.inertia_at(s.turned.toRotationMatrix());
+    const Matrix inertia = s.inertia_at(s.turned.toRotationMatrix());
+    for (int a = 0; a < 3; ++a) {
+        M[a][a] = s.mass;
+        for (int b = 0; b < 3; ++b) M[3 + a][3 + b] = inertia(a, b);
+    }
     for (int d = 0; d < 6; ++d)
         if (!s.set.free[d]) {
-            K.row(d).setZero();
-            K.col(d).setZero();
-            M.row(d).setZero();
-            M.col(d).setZero();
-            M(d, d) = 1;
+            for (int e = 0; e < 6; ++e) K[d][e] = K[e][d] = M[d][e] = M[e][d] = 0;
+            M[d][d] = 1;
         }
-    return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, M, Eigen::EigenvaluesOnly)
-        .eigenvalues()[5];
+    return largest_eigenvalue(K, M);
 }
 
 void RigidBody::archive(Archive& a) {

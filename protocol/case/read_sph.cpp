@@ -103,8 +103,8 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                                    {{"auto", ViscositySolver::automatic},
                                     {"explicit", ViscositySolver::explicit_sums},
                                     {"implicit", ViscositySolver::implicit}});
-    // Above a tenth the force that is left out is no longer small; below 1e-6 float32 ends it.
-    reader.number("viscosity_tolerance", sph.viscosity_tolerance, closed(1e-6, 0.1));
+    // Above a tenth the force that is left out is no longer small; below 1e-12 double ends it.
+    reader.number("viscosity_tolerance", sph.viscosity_tolerance, closed(1e-12, 0.1));
     reader.choice<ViscousForm>(
         "viscous_form", sph.viscous_form,
         {{"laplacian", ViscousForm::laplacian}, {"strain", ViscousForm::strain}});
@@ -115,6 +115,10 @@ void read_sph(TableReader& reader, SphSettings& sph, const CaseInfo& info) {
                                    {"switched", TensionControl::switched}});
     reader.choice<Precision>("precision", sph.precision,
                              {{"float", Precision::float32}, {"double", Precision::float64}});
+    if (sph.viscosity_tolerance < 1e-6 && sph.precision == Precision::float32)
+        reader.reject("viscosity_tolerance",
+                      "is less than float32 can solve for: at least 1e-6, or sph.precision = "
+                      "\"double\".");
     reader.choice<FillLattice>("lattice", sph.lattice,
                                {{"square", FillLattice::square}, {"relaxed", FillLattice::relaxed}});
     reader.flag("gradient_correction", sph.gradient_correction);

@@ -7,6 +7,7 @@
 #include "contact/facet.hpp"
 #include "contact/surface.hpp"
 #include "sph_solver/kernels/kernels.hpp"
+#include "sph_solver/physics/pair_terms.hpp"
 
 namespace undertow::sph {
 

@@ -19,13 +19,9 @@
 
 #include "sph_solver/kernels/kernels.hpp"
 #include "sph_solver/kernels/lattice_moment.hpp"
+#include "sph_solver/physics/pair_choices.hpp"
 
 namespace undertow::sph {
-
-struct StrainWeight {
-    double near = 0;  // [-]
-    double far = 0;   // [-]
-};
 
 /// Of particles dx apart, for sums that are divided by lattice_moment. Where near and far would
 /// leave pairs of 0.9 dx without a weight (some h >= 1.8 dx, there the plain form is within 5 %),

@@ -9,6 +9,7 @@
 
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/physics/pair_terms.hpp"
 
 namespace undertow::sph {
 

@@ -6,6 +6,7 @@
 
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
+#include "sph_solver/physics/pair_terms.hpp"
 
 namespace undertow::sph {
 

@@ -5,11 +5,10 @@
 
 #include "case/case.hpp"
 #include "sph_solver/boundary/no_slip_images.hpp"
-#include "sph_solver/kernels/strain_weight.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/fluid_law.hpp"
-#include "sph_solver/physics/pair_terms.hpp"
+#include "sph_solver/physics/pair_choices.hpp"
 
 namespace undertow::sph {
 

@@ -20,6 +20,7 @@
 // jump, see mean_within.
 
 #include "case/case.hpp"
+#include "sph_solver/physics/pair_choices.hpp"
 #include "sph_solver/simd.hpp"
 
 namespace undertow::sph {
@@ -120,11 +121,6 @@ struct ShearSums {
     Real vxx{}, vxy{}, vxz{}, vyx{}, vyy{}, vyz{}, vzx{}, vzy{}, vzz{};
     Real xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
 };
-
-enum class Terms { rate, force, both };
-
-/// grad v of the continuity equation as summed, or times M^-1 (gradient_correction.hpp).
-enum class Gradient { plain, corrected };
 
 /// A symmetric 3 x 3 matrix.
 template <class Real>

@@ -6,6 +6,7 @@
 
 #include "sph_solver/boundary/periodic.hpp"
 #include "sph_solver/kernels/lattice_moment.hpp"
+#include "sph_solver/kernels/strain_weight.hpp"
 #include "sph_solver/physics/viscosity_plan.hpp"
 #include "wire/errors.hpp"
 
@@ -41,16 +42,6 @@ void refuse_with_sizes(const Case& input, const PairPhysics& p) {
                    "Set slip = \"free\" or a lower viscosity.");
 }
 
-/// What is computed in float only.
-void refuse_in_double(const Case& input, const PairPhysics& p) {
-    if (p.implicit_viscosity)
-        throw InputError(fmt::format(
-            "{}: sph.precision = \"double\" does not go together with the implicit viscous update "
-            "(sph.viscosity_solver), which is solved in float only. Set sph.viscosity_solver = "
-            "\"explicit\" or sph.precision = \"float\".",
-            input.file));
-}
-
 }  // namespace
 
 PairPhysics resolve_physics(const Case& input) {
@@ -76,7 +67,6 @@ PairPhysics resolve_physics(const Case& input) {
     p.strain_weight =
         strain_weight(input.sph.kernel, p.h, input.sph.spacing, input.info.dimension);
     if (p.sized()) refuse_with_sizes(input, p);
-    if (p.precision == Precision::float64) refuse_in_double(input, p);
     return p;
 }
 

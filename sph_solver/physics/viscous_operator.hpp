@@ -11,24 +11,26 @@
 #include <cstdint>
 #include <vector>
 
-#include "sph_solver/boundary/no_slip_images.hpp"
 #include "sph_solver/boundary/bodies.hpp"
+#include "sph_solver/boundary/no_slip_images.hpp"
 #include "sph_solver/physics/pair_sums.hpp"
 #include "sph_solver/simd.hpp"
 
 namespace undertow::sph {
 
-/// A vector per particle, in float, padded to full clusters of eight.
+/// A vector per particle, padded to full clusters of eight.
+template <class Real>
 struct Field3 {
-    std::vector<float> x, y, z;
+    std::vector<Real> x, y, z;
 
     void resize(std::size_t n) {
-        for (auto* a : {&x, &y, &z}) a->resize((n + lanes - 1) / lanes * lanes, 0.0f);
+        for (auto* a : {&x, &y, &z}) a->resize((n + lanes - 1) / lanes * lanes, Real(0));
     }
 };
 
-/// Sums over particles are taken cluster by cluster and then in order: the same bits for any number
-/// of threads.
+/// In the precision Real of sph.precision. Sums over particles are taken cluster by cluster and
+/// then in order: the same bits for any number of threads.
+template <class Real>
 class ViscousOperator {
  public:
     /// Takes positions and viscosities as packed for this step. Free-slip bodies carry no stress, a
@@ -39,21 +41,24 @@ class ViscousOperator {
 
     enum class Walls { moving, still };  // with their velocities; or the linear part alone
     /// out = mass_factor M u + dt K u  [kg m/s per m^(3-d)]. Returns u . out.
-    double apply(const Field3& u, Walls walls, double mass_factor, double dt, Field3& out);
+    double apply(const Field3<Real>& u, Walls walls, double mass_factor, double dt,
+                 Field3<Real>& out);
     /// out = dt K u, with moving walls. Returns what friction dissipates in dt, dt sum_ij
     /// w_ij |u_i - u_j|^2/2 [J per m^(3-d)], an image counted by half.
-    double rub(const Field3& u, double dt, Field3& out);
+    double rub(const Field3<Real>& u, double dt, Field3<Real>& out);
     /// out[i] = M_i + dt sum_j w_ij c, c = 1 (laplacian) or s r^2/d (strain): near the diagonal.
-    void diagonal(double dt, std::vector<float>& out);
+    void diagonal(double dt, std::vector<Real>& out);
 
-    const std::vector<float>& mass() const { return mass_; }  // rho0 V0 of each particle
+    const std::vector<Real>& mass() const { return mass_; }  // rho0 V0 of each particle
 
  private:
-    void pack(const Field3& u, Walls walls);
+    void pack(const Field3<Real>& u, Walls walls);
     enum class Returns { product, dissipation };
     template <class KernelLaw, ViscousForm form, bool several>
-    double apply_as(const Field3& u, double mass_factor, double dt, Field3& out, Returns returns);
-    double apply(const Field3& u, double mass_factor, double dt, Field3& out, Returns returns);
+    double apply_as(const Field3<Real>& u, double mass_factor, double dt, Field3<Real>& out,
+                    Returns returns);
+    double apply(const Field3<Real>& u, double mass_factor, double dt, Field3<Real>& out,
+                 Returns returns);
     template <class Body>
     double over_clusters(Body&& body);
 
@@ -61,10 +66,10 @@ class ViscousOperator {
     const Neighborhood* neighbors_ = nullptr;
     const MirrorPlanes* mirror_ = nullptr;
     const NoSlipImages* no_slip_ = nullptr;
-    std::vector<Packed> records_;      // velocity: of u; p: root of the viscosity [sqrt(Pa s)]
-    std::vector<ViscousImage> image_;  // [extras]
-    std::vector<float> mass_;          // [particles], padded
-    std::vector<double> part_;         // [clusters]
+    std::vector<Record<Real>> records_;  // velocity: of u; p: root of the viscosity [sqrt(Pa s)]
+    std::vector<ViscousImage> image_;    // [extras]
+    std::vector<Real> mass_;             // [particles], padded
+    std::vector<double> part_;           // [clusters]
 };
 
 }  // namespace undertow::sph

@@ -17,6 +17,7 @@ sys.path.insert(0, str(TOP / "scripts"))
 
 from undertow_tool.commands import main  # noqa: E402
 from undertow_tool.paths import BUILD  # noqa: E402
+from undertow_tool.verify.closing_table import closing_rows  # noqa: E402
 from undertow_tool.verify.ladder import Rung  # noqa: E402
 from undertow_tool.verify.measured import Measured  # noqa: E402
 from undertow_tool.verify.order import observed_order  # noqa: E402
@@ -58,6 +59,26 @@ class Pages(unittest.TestCase):
                 self.assertLess(text.index("couette"), text.index("heap"))
                 self.assertTrue(text.startswith("Before.") and text.endswith("After.\n"))
         self.assertEqual(text.count("\n\n\n"), 0)
+
+
+class ClosingTable(unittest.TestCase):
+    SECTION = ["### wave: A wave", "", "| level | dx [m] | CPU [s] | M particle-steps/CPU s | quantity | ours | error | allowed | |",
+               "|---|---|---|---|---|---|---|---|---|",
+               "| coarse | 0.2 | 1.0 | 5.0 | speed | 1.04 m/s | +4.0 % | 5 % | ok |", "|  |  |  |  | drift of \\|v\\| | 0.5 | 0.5 | 0.1 | defect |",
+               "| fine | 0.1 | 8.0 | 6.0 | speed | 0.99 m/s | -1.0 % | 2 % | ok |", "|  |  |  |  | drift of \\|v\\| | 0.05 | 0.05 | 0.1 | mended |",
+               "| fine plain | 0.1 | 8.0 | 6.0 | speed | 0.5 m/s | -50.0 % | - | - |",
+               "| soak | 0.2 | 90.0 | 5.0 | speed | 1.03 m/s | +3.0 % | 5 % | ok |"]
+
+    def test_a_line_has_errors_order_and_cost_of_the_ladder(self):
+        report = {"ladder": ["coarse", "fine"], "converges": ["speed"], "headline": ["speed", "drift of |v|"]}
+        self.assertEqual(closing_rows("wave", self.SECTION, report), [
+            "| [wave](#wave-a-wave) | 0.2, 0.1 | speed | +4.0, -1.0 %; soak +3.0 % | 2.0 | 2 % | ok | 1.0, 8.0 | 6.0 |",
+            "|  |  | drift of \\|v\\| | 0.5, 0.05 | - | 0.1 | defect (coarse) |  |  |"])
+
+    def test_an_error_of_zero_has_no_order(self):
+        section = [line.replace("+4.0 %", "+0.0 %") for line in self.SECTION]
+        rows = closing_rows("wave", section, {"ladder": ["coarse", "fine"], "converges": ["speed"]})
+        self.assertEqual([row.split(" | ")[4] for row in rows], ["-"])
 
 
 class Judging(unittest.TestCase):

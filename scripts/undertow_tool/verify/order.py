@@ -34,7 +34,7 @@ def orders_of(rungs, settings):
 def unknown_rows(rungs, settings):
     """Names in [report] that no row of the results has: mistyped, a gate would never be judged."""
     rows = row_names(rungs)
-    named = [*(settings.get("gates") or {}), *settings.get("converges", [])]
+    named = [*(settings.get("gates") or {}), *settings.get("converges", []), *settings.get("headline", [])]
     return [name for name in named if name not in rows]
 
 

@@ -4,10 +4,12 @@ import shutil
 from rich.table import Table
 from rich.text import Text
 
+from ..case import resolve
 from ..errors import UserError
 from ..paths import TOP, shown
 from ..results_folder import read_json
 from ..table import error_text, limit_text, number
+from .closing_table import BEGIN as CLOSING_BEGIN, with_closing_table
 from .ladder import known_verifications
 
 PAGES = {solver: TOP / "docs" / f"validation_{solver}.md" for solver in ("sph", "fem")}
@@ -107,7 +109,10 @@ def write_page(page, results):
         shutil.copyfile(path.with_suffix(".png"), images / f"{result['name']}.png")
         sections[result["name"]] = section(result)
     lines = [line for name in sorted(sections) for line in sections[name]]
-    page.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after)
+    text = before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after
+    if CLOSING_BEGIN in text:
+        text = with_closing_table(text, sections, {name: resolve(known[name], [])["report"] for name in sections})
+    page.write_text(text)
 
 
 def section(result):

@@ -43,6 +43,9 @@ const Mistake mistakes[] = {
      "case.toml:7:12: sph.shifting = 50 is not allowed"},
     {"spacing = 0.1", "spacing = 0.1\nprecision = \"single\"",
      "case.toml:7:13: sph.precision = \"single\" is not known: allowed are float, double"},
+    {"spacing = 0.1", "spacing = 0.1\nviscosity_tolerance = 1e-7",
+     "case.toml:7:23: sph.viscosity_tolerance = 1e-07 is less than float32 can solve for: at least "
+     "1e-6, or sph.precision = \"double\"."},
     {"spacing = 0.1", "spacing = 0.1\ntension_control = \"cut\"",
      "case.toml:7:19: sph.tension_control = \"cut\" is not known: allowed are none, spray, switched"},
     {"spacing = 0.1", "spacing = 0.1\ndomain = { min = [0, 0, 0], max = [1, 1, 0.5] }",

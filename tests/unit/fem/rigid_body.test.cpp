@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "fem_solver/rigid/largest_eigenvalue.hpp"
 #include "fem_solver/rigid/rotation.hpp"
 #include "support.hpp"
 #include "two_solids.hpp"
@@ -53,6 +54,19 @@ void spin_up(Structure& s, const Vector& L, double dt) {
     }
     s.kick(dt);
     s.drift(dt);
+}
+
+TEST_CASE("the largest eigenvalue of K u = lambda M u, M positive definite") {
+    // B^T D B u = lambda B^T B u has the eigenvalues D
+    const double B[3][3] = {{2, 1, -0.5}, {0, 3, 0.25}, {1, 0, 1.5}}, D[3] = {4, -7, 5};
+    double K[3][3] = {}, M[3][3] = {};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+                K[i][j] += B[k][i] * D[k] * B[k][j], M[i][j] += B[k][i] * B[k][j];
+    CHECK(largest_eigenvalue(K, M) == Approx(5).epsilon(1e-13));
+    const double none[2][2] = {}, one[2][2] = {{1, 0}, {0, 1}};
+    CHECK(largest_eigenvalue(none, one) == 0);
 }
 
 TEST_CASE("a body's mass, center and weight are those of its elements and of what is added") {

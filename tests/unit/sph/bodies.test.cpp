@@ -217,7 +217,7 @@ TEST_CASE("what walls feel is opposite to what the fluid feels") {
         const double m = fluid.fluid().mass;
         Vec3 f = m * Vec3{fluid.particles.ax[i], fluid.particles.ay[i], fluid.particles.az[i]};
         if (implicit) {   // what the update left is on its way: the next step gives it
-            const float* left = fluid.implicit_viscosity()->left(fluid.particles.id[i]);
+            const Vec3 left = fluid.implicit_viscosity()->left(fluid.particles.id[i]);
             f = f + (m / kick) * Vec3{left[0], left[1], left[2]};
         }
         on_fluid = on_fluid + f;

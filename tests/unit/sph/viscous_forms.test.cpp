@@ -5,6 +5,7 @@
 
 #include "scenes.hpp"
 #include "sph_solver/kernels/strain_weight.hpp"
+#include "sph_solver/physics/pair_terms.hpp"
 #include "sph_solver/physics/stable_step.hpp"
 
 using namespace undertow;
