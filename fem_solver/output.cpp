@@ -138,6 +138,8 @@ void Output::fields(double t, const Structure& structure) {
     }
     if (structure.elements().any_plastic())
         of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
+    if (!structure.model().strength.empty())
+        of_elements.push_back({"strength", "Pa", 1, structure.model().strength});
     std::vector<Field> of_nodes{{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}};
     std::vector<double> contact_pressure(structure.pairs().empty() ? 0 : n_nodes);
     for (const ContactPair& pair : structure.pairs()) pair.add_pressure(contact_pressure);

@@ -55,15 +55,44 @@ double depth_of(const Mesh& mesh, const Quad& facet, std::span<const std::int32_
     return std::sqrt(squared);
 }
 
-/// Young's modulus [Pa] of each element.
-std::vector<double> moduli_of(const FemSettings& fem, const Mesh& mesh) {
-    std::vector<double> modulus(mesh.n_elements(), 0.0);
-    for (const FemPart& part : fem.part)
-        for (const FemMaterial& material : fem.material)
-            if (material.name == part.material)
-                for (std::int32_t e : mesh.elements_of(part.set, "fem.part"))
-                    modulus[e] = material.young_modulus;
-    return modulus;
+/// What contact has to know of the soil.
+struct Soil {
+    std::vector<double> modulus;  // [Pa] Young's, of each element
+    std::vector<int> part;        // of each element, index into `parts`; -1: none
+    const std::vector<Part>& parts;
+
+    Soil(const FemSettings& fem, const Mesh& mesh, const std::vector<Part>& all)
+        : modulus(mesh.n_elements(), 0.0), part(mesh.n_elements(), -1), parts(all) {
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            const FemMaterial& material =
+                *std::find_if(fem.material.begin(), fem.material.end(),
+                              [&](const auto& m) { return m.name == fem.part[p].material; });
+            for (std::int32_t e : parts[p].elements) {
+                part[e] = int(p);
+                modulus[e] = material.modulus_ratio > 0
+                                 ? material.modulus_ratio *
+                                       strength_at(parts[p].material, height_of(mesh, e))
+                                 : material.young_modulus;
+            }
+        }
+    }
+};
+
+/// [Pa] adhesion_factor s_u behind a facet, at the facet's own height.
+double adhesion(const FemContact& contact, const Mesh& mesh, const Soil& soil, const Quad& facet,
+                std::int32_t element) {
+    const Part& part = soil.parts[soil.part[element]];
+    const std::span<const std::int32_t> corners = corners_of(facet);
+    double z = 0;
+    for (std::int32_t n : corners) z += mesh.x[n][2] / double(corners.size());
+    const Material law = law_at(part.material, z);
+    const Tresca* clay = std::get_if<Tresca>(&law);
+    if (!clay)
+        throw InputError("fem.contact \"" + contact.name +
+                         "\": adhesion_factor is a share of the shear strength of the soil, but part \"" +
+                         part.name + "\" behind nodes = \"" + contact.nodes +
+                         "\" is not of kind = \"tresca\"; give max_shear instead.");
+    return contact.adhesion_factor * clay->shear_strength;
 }
 
 int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vector<Quad>& facets,
@@ -83,13 +112,11 @@ int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vect
 
 ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
                             const std::vector<RigidSet>& bodies, const RigidShellFaces& faces,
-                            const std::vector<int>& body_of_node,
-                            const std::vector<double>& modulus) {
+                            const std::vector<int>& body_of_node, const Soil& soil) {
     const std::string name = "fem.contact \"" + contact.name + "\"";
     ContactSet set;
     set.name = contact.name;
     set.friction = contact.friction;
-    set.max_shear = contact.max_shear;
     set.gap = contact.gap;
     set.near = contact.near;
     set.surface = faces.facets_of(mesh, contact.surface, "fem.contact surface");
@@ -108,6 +135,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     set.nodes = mesh.nodes_of(contact.nodes, "fem.contact nodes");
     set.area.resize(set.nodes.size());
     set.stiffness.resize(set.nodes.size());
+    if (contact.adhesion_factor > 0) set.max_friction.resize(set.nodes.size());
     const auto index = [&](std::int32_t n) {
         return std::size_t(std::lower_bound(set.nodes.begin(), set.nodes.end(), n) -
                            set.nodes.begin());
@@ -125,9 +153,15 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
         const double share = area / double(corners.size());
         for (std::int32_t n : corners) {
             set.area[index(n)] += share;
-            set.stiffness[index(n)] += modulus[e] * share / depth;
+            set.stiffness[index(n)] += soil.modulus[e] * share / depth;
+        }
+        if (contact.adhesion_factor > 0) {
+            const double shear = adhesion(contact, mesh, soil, q, e);
+            for (std::int32_t n : corners) set.max_friction[index(n)] += shear * share;
         }
     }
+    if (contact.max_shear > 0)
+        for (double area : set.area) set.max_friction.push_back(contact.max_shear * area);
     std::set<Quad> shells;
     for (const Quad& shell : mesh.shells) shells.insert(sorted_facet(shell));
     for (const Quad& q : set.surface)
@@ -149,6 +183,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
 }  // namespace
 
 std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
+                                          const std::vector<Part>& parts,
                                           const std::vector<RigidSet>& bodies,
                                           const RigidShellFaces& faces) {
     std::vector<ContactSet> sets;
@@ -156,9 +191,9 @@ std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
     std::vector<int> body_of_node(mesh.x.size(), -1);
     for (std::size_t b = 0; b < bodies.size(); ++b)
         for (std::int32_t n : bodies[b].nodes) body_of_node[n] = int(b);
-    const std::vector<double> modulus = moduli_of(c.fem, mesh);
+    const Soil soil(c.fem, mesh, parts);
     for (const FemContact& contact : c.fem.contact)
-        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, modulus));
+        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, soil));
     return sets;
 }
 

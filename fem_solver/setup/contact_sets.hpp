@@ -11,8 +11,9 @@ namespace undertow::fem {
 /// After the rigid bodies have been taken out of the parts. InputError when a node of `nodes`
 /// belongs to no deformable element, or the surface is neither wholly of one rigid body nor wholly
 /// free of them, or the two sets share a node, or the
-/// surface has triangles.
+/// surface has triangles, or adhesion_factor meets soil without a shear strength.
 std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
+                                          const std::vector<Part>& parts,
                                           const std::vector<RigidSet>& bodies,
                                           const RigidShellFaces& faces);
 

@@ -59,6 +59,8 @@ struct Model {
     std::vector<RigidSet> rigid;       // their elements are in no part
     std::vector<ContactSet> contacts;  // inside the mesh
     std::vector<PointMass> point_masses;
+    std::vector<double> strength;  // [Pa] (n_elements) s_u or c of each element, 0 of what has none;
+                                   // empty when it is one value in every part
     std::vector<ScaledPart> mass_scaling;  // of every part, empty when none was asked for
     double coupled_share = 0;  // of the stability budget that the coupler takes at coupled nodes
     double max_step = std::numeric_limits<double>::infinity();  // [s] the case's own limit
