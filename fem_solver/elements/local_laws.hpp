@@ -1,6 +1,6 @@
 #pragma once
-// Laws with depth as the kernels see them: constants of eight elements side by side, packed for each
-// batch as sound speed, moduli, then the strengths of each integration point.
+// Laws with depth as the kernels see them: constants of eight elements side by side, packed for
+// each batch as sound speed, moduli, then the strengths of each integration point.
 
 #include "fem_solver/elements/bbar_hexahedron.hpp"
 #include "fem_solver/elements/element_law.hpp"
@@ -27,7 +27,8 @@ inline void put_strength(const MohrCoulomb& law, Lanes* at, int lane) {
     at[1][lane] = law.tension;
 }
 
-/// A material of step_hexahedron() and the others: at_point() gives the law of an integration point.
+/// A material of step_hexahedron() and the others: at_point() gives the law of an integration
+/// point.
 template <class Law>
 struct LocalLaw {
     const WithDepth<Law>& of_part;
@@ -55,10 +56,15 @@ UNDERTOW_KERNEL ElementLawOf<Lanes> local_element_law(const ElementLaw& of_part,
                                                       const Lanes* figure) {
     const double nu = of_part.poisson_ratio;
     const Lanes lambda = figure[packed::lambda], mu = figure[packed::mu];
-    return {of_part.inverse_density,       lambda, mu,
-            figure[packed::sound_speed],   2 * mu / (1 - nu),
-            nu,                            2 * mu * (1 + nu),
-            of_part.bulk_viscosity_linear, of_part.bulk_viscosity_quadratic};
+    return {of_part.inverse_density,
+            lambda,
+            mu,
+            figure[packed::sound_speed],
+            2 * mu / (1 - nu),
+            nu,
+            2 * mu * (1 + nu),
+            of_part.bulk_viscosity_linear,
+            of_part.bulk_viscosity_quadratic};
 }
 
 /// Heights [m] of the integration points: the mean of the corners, or the eight Gauss points.
@@ -69,7 +75,8 @@ void heights_of_points(const double (&corner)[n_corners], double (&z)[points]) {
         for (int c = 0; c < n_corners; ++c) {
             double share = 1.0 / n_corners;
             if constexpr (points == n_gauss)
-                for (int d = 0; d < 3; ++d) share *= 1 + gauss * gauss_sign[q][d] * gauss_sign[c][d];
+                for (int d = 0; d < 3; ++d)
+                    share *= 1 + gauss * gauss_sign[q][d] * gauss_sign[c][d];
             z[q] += share * corner[c];
         }
 }

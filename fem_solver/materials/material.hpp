@@ -78,11 +78,11 @@ inline bool dilates(const Material& material) {
 }
 /// Whether the strength at a point depends on its plastic strain.
 inline bool hardens(const Material& material) {
-    return std::visit(
-        []<class Law>(const Law&) { return law_hardens<Law>(); }, material);
+    return std::visit([]<class Law>(const Law&) { return law_hardens<Law>(); }, material);
 }
 
-/// [Pa] what the field "strength" shows: s_u of Tresca, c of Mohr-Coulomb at a height z [m]; 0 of others.
+/// [Pa] what the field "strength" shows: s_u of Tresca, c of Mohr-Coulomb at a height z [m]; 0 of
+/// others.
 inline double strength_at(const Material& material, double z) {
     if (const auto* law = std::get_if<WithDepth<Tresca>>(&material)) return law->strength_at(z);
     if (const auto* law = std::get_if<WithDepth<MohrCoulomb>>(&material))
