@@ -1,7 +1,7 @@
-#!/usr/bin/python3
 """Exact limit load of a strip footing on clay whose strength grows with depth, by the method of characteristics.
 
-    tests/validation/slip_lines.py          table of smooth and rough footings, as Davis and Booker (1973) have it
+    /usr/bin/python3 scripts/undertow_tool/verify/slip_lines.py      table of smooth and rough footings, as Davis and
+                                                                     Booker (1973, Geotechnique 23, 551) have it
 
 Weightless Tresca soil in plane strain, s(z) = s_0 + k z, z downward, footing -B < x < 0, free surface x > 0, compression
 positive, p the mean stress, theta the angle of the major principal stress from the vertical:
@@ -69,14 +69,22 @@ class SlipLines:
         return np.array([line[j + n] for n, line in enumerate(self.lines[i:])])
 
 
+def places(gradient, size, steps):
+    """On the free surface, the first `steps` of them up to `size`: close together where the strength grows by much of itself."""
+    n = 0
+    while True:
+        n += 1
+        yield size * n / steps if gradient == 0 else np.expm1(np.log1p(gradient * size) * n / steps) / gradient
+
+
 def smooth_load(ratio, steps):
     """Mean pressure over s_0 under a smooth footing, ratio = k B/s_0."""
     half = 1.0
     field = SlipLines(ratio / 2, 0.0, True, steps)
-    x, q, n = [0.0], [PRANDTL], 0
+    x, q = [0.0], [PRANDTL]
+    reach = places(ratio / 2, half, steps)
     while x[-1] < half:
-        n += 1
-        point = field.next_line(n * half / steps)
+        point = field.next_line(next(reach))
         x.append(-point[0])
         q.append(point[2] + 1)
     x, q = np.array(x), np.array(q)
@@ -105,10 +113,9 @@ def to_axis(side):
 def wedge_from_edge(fan_end, steps):
     """(k B/s_0, mean pressure over s_0) of the rough footing whose wedge begins at the edge at the angle fan_end. k/s_0 = 1."""
     field = SlipLines(1.0, fan_end, False, steps)
-    n, size = 0, max(-fan_end, 0.01)
+    reach = places(1.0, max(-2 * fan_end, 0.02), steps)
     while field.lines[-1][-1][3] < 0:
-        n += 1
-        field.next_line(2 * n * size / steps)
+        field.next_line(next(reach))
     side = to_axis(field.beta_line(0, steps))
     return -2 * side[-1, 0], vertical_force(side, 1.0) / -side[-1, 0]
 
@@ -116,11 +123,10 @@ def wedge_from_edge(fan_end, steps):
 def wedges_from_footing(ratio, steps):
     """The same of wedges that begin on the footing, up to at least the wanted one."""
     field, found = SlipLines(1.0, -QUARTER, True, steps), [wedge_from_edge(-QUARTER, steps)]
-    n, first = 0, 0
+    first, reach = 0, places(1.0, max(1.0, 0.3 * ratio), steps)
     while found[-1][0] < ratio:
-        n += 1
-        field.next_line(n / steps * max(1.0, 0.3 * ratio))
-        while first + 1 < n:
+        field.next_line(next(reach))
+        while first + 2 < len(field.lines):
             side = to_axis(field.beta_line(first + 1, len(field.lines[first + 1]) - 1))
             if side is None:
                 break
