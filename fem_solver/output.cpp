@@ -28,6 +28,7 @@ std::vector<std::string> energy_columns(const Structure& structure) {
         columns.insert(columns.end(), {"contact springs [J]", "friction [J]", "contact damping [J]"});
     if (structure.implicit())
         columns.insert(columns.end(), {"implicit inertia [J]", "implicit damping [J]", "implicit change [J]"});
+    if (!structure.model().initial_velocities.empty()) columns.push_back("given at the start [J]");
     columns.push_back("balance error [J]");
     return columns;
 }
@@ -170,6 +171,7 @@ void Output::write_rows(double t, const Structure& structure) {
     if (!structure.pairs().empty())
         row_.insert(row_.end(), {e.pair_springs, e.pair_friction, e.pair_damping});
     if (structure.implicit()) row_.insert(row_.end(), {e.implicit, e.implicit_damping, e.implicit_change});
+    if (!structure.model().initial_velocities.empty()) row_.push_back(e.start);
     row_.push_back(e.balance_error());
     energy_.row(row_);
     peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass + e.plastic,

@@ -278,6 +278,7 @@ Model build_model(const Case& c, Mesh mesh) {
     model.point_masses = make_point_masses(c, model.mesh, model.rigid);
     const RigidShellFaces faces(c, model.mesh, model.rigid);
     model.motions = make_motions(c, model.mesh, model.rigid);
+    model.initial_velocities = make_initial_velocities(c, model.mesh, model.rigid);
     model.contacts = make_contact_sets(c, model.mesh, model.parts, model.rigid, faces);
     if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
     model.max_step = c.time.max_step;

@@ -12,6 +12,7 @@
 #include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
+#include "fem_solver/setup/initial_velocities.hpp"
 #include "fem_solver/setup/mass_scaling.hpp"
 #include "fem_solver/setup/point_masses.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
@@ -50,6 +51,7 @@ struct Model {
     std::vector<PressureLoad> pressures;
     std::vector<TractionLoad> tractions;
     std::vector<PrescribedMotion> motions;
+    InitialVelocities initial_velocities;
     CoupledSurface surface;
     std::vector<InitialStress> initial_stress;
     AbsorbingBoundary far_field;

@@ -388,6 +388,18 @@ struct FemMotion {                       // [[fem.motion]]
     Vec3 center{};                       // [m] through this point, which moves along
 };
 
+/// Velocities at t = 0. What a support or a motion holds stays as it is.
+struct FemInitialVelocity {              // [[fem.initial_velocity]]
+    std::string set;                     // node, facet or volume set, or
+    std::string rigid;                   // the name of a [[fem.rigid]]
+    Vec3 velocity{};                     // [m/s], or
+    std::vector<Expression> formulas;    // of a set: three formulas of x, y, z in the undeformed mesh
+    Vec3 spin{};                         // [rad/s] on top: an angular velocity
+    bool has_center = false;
+    Vec3 center{};                       // [m] about this point; of a rigid body its center of mass,
+                                         // where none is given
+};
+
 struct FemContact {                      // [[fem.contact]] contact inside the mesh
     std::string name;
     std::string nodes;                   // facet set whose nodes are kept out of
@@ -447,6 +459,7 @@ struct FemSettings {
     std::vector<FemAbsorbing> absorbing;
     std::vector<FemRigid> rigid;
     std::vector<FemMotion> motion;
+    std::vector<FemInitialVelocity> initial_velocity;
     std::vector<FemContact> contact;
     std::vector<FemProbe> probe;
     std::vector<FemHistory> history;

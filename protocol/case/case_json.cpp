@@ -298,6 +298,10 @@ void to_json(Json& j, const FemMotion& v) {
     if (v.angle) j["angle"] = v.angle->text();
     if (v.angle || !v.motion.empty()) j["axis"] = v.axis, j["center"] = v.center;
 }
+void to_json(Json& j, const FemInitialVelocity& v) {
+    j = {{"set", v.set}, {"rigid", v.rigid}, {"spin", v.spin}, {"center", v.center}};
+    j["velocity"] = v.formulas.empty() ? Json(v.velocity) : Json(texts(v.formulas));
+}
 void to_json(Json& j, const FemMass& v) {
     j = {{"set", v.set}, {"point", v.point}, {"mass", v.mass}};
 }
@@ -336,6 +340,7 @@ void to_json(Json& j, const FemSettings& v) {
          {"absorbing", v.absorbing},
          {"rigid", v.rigid},
          {"motion", v.motion},
+         {"initial_velocity", v.initial_velocity},
          {"contact", v.contact},
          {"probe", v.probe},
          {"history", v.history}};

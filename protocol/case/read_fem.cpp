@@ -381,6 +381,9 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
     reader.tables("motion", [&](TableReader& entry) {
         read_fem_motion(entry, fem.motion.emplace_back(), fem, info);
     });
+    reader.tables("initial_velocity", [&](TableReader& entry) {
+        read_initial_velocity(entry, fem.initial_velocity.emplace_back(), fem, info);
+    });
     reader.tables("contact",
                   [&](TableReader& entry) { read_contact(entry, fem.contact.emplace_back()); });
     reader.tables("probe", [&](TableReader& entry) {

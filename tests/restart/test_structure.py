@@ -48,6 +48,12 @@ class Structure(Restart):
                 fields.visit(lambda name: found.append(name) if name.endswith("strength") else None)
                 self.assertTrue(found)
 
+    def test_thrown_with_a_spin(self):
+        whole = self.check("structure.toml", "--with", "thrown", every=5.3e-4)
+        energy = whole.column("energy.fem.csv", "given at the start")
+        self.assertGreater(energy[0], 0)
+        self.assertEqual(energy[0], energy[-1])
+
     def test_two_threads(self):
         self.check("structure.toml", "--with", "many", every=7.7e-5)
 

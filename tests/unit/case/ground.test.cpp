@@ -210,6 +210,29 @@ TEST_CASE("a strength that grows with depth is read, and one that cannot be is r
                Catch::Contains("one limit too many"));
 }
 
+TEST_CASE("initial velocities are read, and mistakes told") {
+    const std::string start = plate + "[[fem.initial_velocity]]\nset = \"block\"\n";
+    const Case c = read(start + "velocity = [0, \"2*x\", 1]\nspin = [0, 0, 3]\ncenter = [1, 0, 0]\n");
+    const FemInitialVelocity& given = c.fem.initial_velocity[0];
+    REQUIRE(given.formulas.size() == 3);
+    CHECK(given.formulas[1](2, 0, 0) == 4);
+    CHECK(given.spin[2] == 3);
+    CHECK(given.has_center);
+    CHECK_THAT(mistake(start), Catch::Contains("give velocity") && Catch::Contains("or spin"));
+    CHECK_THAT(mistake(start + "spin = [0, 0, 3]\n"), Catch::Contains("center"));
+    CHECK_THAT(mistake(start + "velocity = [1, 0, 0]\ncenter = [0, 0, 0]\n"),
+               Catch::Contains("no effect without spin"));
+    CHECK_THAT(mistake(start + "velocity = [1, 0, 0]\nrigid = \"b\"\n"),
+               Catch::Contains("[[fem.rigid]]"));
+    CHECK_THAT(mistake(start + "velocity = [\"2*w\", 0, 0]\n"), Catch::Contains("velocity"));
+    const std::string body = plate + "[[fem.rigid]]\nname = \"b\"\nset = \"block\"\n"
+                                     "[[fem.initial_velocity]]\nrigid = \"b\"\n";
+    CHECK(mistake(body + "velocity = [1, 0, 0]\nspin = [0, 1, 0]\n").empty());
+    CHECK_THAT(mistake(body + "velocity = [\"x\", 0, 0]\n"), Catch::Contains("moves as one"));
+    CHECK_THAT(mistake(body + "velocity = [1, 0, 0]\nset = \"block\"\n"),
+               Catch::Contains("one thing too many"));
+}
+
 TEST_CASE("mistakes in bodies and gauges are told") {
     const std::string body = plate + "[[sph.body]]\nname = \"b\"\n";
     CHECK_THAT(mistake(body), Catch::Contains("has no box") && Catch::Contains("an stl file"));
