@@ -42,6 +42,8 @@ def report(results_dir, case, summary):
     slope, at_first = np.polyfit(settlement[half:], load[half:], 1)
     run.compare("limit load", float(at_first), exact(run))
     run.tell("rise per half width of settlement", float(slope * HALF / at_first), "1")
+    energy = run.history("energy.fem")
+    run.tell("hourglass over plastic energy", float(energy["hourglass"][-1] / energy["plastic"][-1]), "1")
     run.residual("strength of the elements, L2", error_of_strength(run))
     return run.rows
 
