@@ -118,6 +118,13 @@ Quad sorted_facet(Quad facet) {
     return facet;
 }
 
+double height_of(const Mesh& mesh, std::size_t element) {
+    const std::span<const std::int32_t> corners = mesh.corners(element);
+    double z = 0;
+    for (std::int32_t n : corners) z += mesh.x[n][2] / double(corners.size());
+    return z;
+}
+
 std::string point_text(const Vec3& x) {
     char text[80];
     std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g) m", x[0], x[1], x[2]);

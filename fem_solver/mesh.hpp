@@ -52,6 +52,9 @@ struct Mesh {
 /// "hexahedron"
 const char* name_of(ElementShape shape);
 
+/// [m] z of an element's center, the mean of its corners
+double height_of(const Mesh& mesh, std::size_t element);
+
 /// "(0.1, 0, -2) m", for messages
 std::string point_text(const Vec3& x);
 

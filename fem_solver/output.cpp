@@ -28,6 +28,7 @@ std::vector<std::string> energy_columns(const Structure& structure) {
         columns.insert(columns.end(), {"contact springs [J]", "friction [J]", "contact damping [J]"});
     if (structure.implicit())
         columns.insert(columns.end(), {"implicit inertia [J]", "implicit damping [J]", "implicit change [J]"});
+    if (!structure.model().initial_velocities.empty()) columns.push_back("given at the start [J]");
     columns.push_back("balance error [J]");
     return columns;
 }
@@ -138,6 +139,8 @@ void Output::fields(double t, const Structure& structure) {
     }
     if (structure.elements().any_plastic())
         of_elements.push_back({"plastic_strain", "1", 1, plastic_strain});
+    if (!structure.model().strength.empty())
+        of_elements.push_back({"strength", "Pa", 1, structure.model().strength});
     std::vector<Field> of_nodes{{"displacement", "m", 3, u}, {"velocity", "m/s", 3, v}};
     std::vector<double> contact_pressure(structure.pairs().empty() ? 0 : n_nodes);
     for (const ContactPair& pair : structure.pairs()) pair.add_pressure(contact_pressure);
@@ -168,6 +171,7 @@ void Output::write_rows(double t, const Structure& structure) {
     if (!structure.pairs().empty())
         row_.insert(row_.end(), {e.pair_springs, e.pair_friction, e.pair_damping});
     if (structure.implicit()) row_.insert(row_.end(), {e.implicit, e.implicit_damping, e.implicit_change});
+    if (!structure.model().initial_velocities.empty()) row_.push_back(e.start);
     row_.push_back(e.balance_error());
     energy_.row(row_);
     peak_energy_ = std::max({peak_energy_, e.kinetic, e.internal + e.hourglass + e.plastic,

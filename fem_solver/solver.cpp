@@ -25,6 +25,7 @@ Solver::Solver(const Case& c, Structure& structure, Link& link, Output& output, 
 
 bool Solver::step_to_the_end() {
     structure_.release_far_field();
+    structure_.launch();
     const std::int64_t first = link_.announce(structure_, n_);
     if (resumed_ && first != n_)
         throw InputError("the coupler goes on at step " + std::to_string(first) +

@@ -171,6 +171,10 @@ void Structure::archive(Archive& a) {
         a.object("sections/" + std::to_string(k), model_.sections[k]);
     a.object("stiffness_damping", stiffness_damping_);
     a("motions_rest", motions_rest_);
+    if (!model_.initial_velocities.empty()) {
+        a("launched", launched_);
+        a("start_energy", start_energy_);
+    }
     a("measure_sections", measure_sections_);
     a("t", t_);
     a("dt", dt_);

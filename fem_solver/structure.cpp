@@ -230,6 +230,27 @@ void Structure::release_far_field() {
     omega_start_ = tightening_ * omega_bound();
 }
 
+void Structure::launch() {
+    if (launched_ || model_.initial_velocities.empty()) return;
+    launched_ = true;
+    TurningNodes* turning = elements_.turning_nodes();
+    for (const InitialVelocities::OfNode& given : model_.initial_velocities.nodes) {
+        const std::int32_t i = turning ? turning->index_of(given.node) : -1;
+        for (int d = 0; d < 3; ++d) {
+            if (nodes_.inverse_mass[given.node].c[d] > 0) {
+                const double v = nodes_.v[given.node].c[d] = given.velocity[d];
+                start_energy_ += 0.5 * nodes_.mass[given.node] * v * v;
+            }
+            if (i >= 0 && turning->inverse_inertia[i].c[d] > 0) {
+                const double w = turning->omega[i].c[d] = given.spin[d];
+                start_energy_ += 0.5 * turning->inertia[i] * w * w;
+            }
+        }
+    }
+    for (const InitialVelocities::OfBody& given : model_.initial_velocities.bodies)
+        start_energy_ += bodies_[given.body].launch(nodes_, given.velocity, given.spin);
+}
+
 void Structure::kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt_);
@@ -461,6 +482,7 @@ Energies Structure::energies() const {
     for (const TractionLoad& traction : model_.tractions) e.external += traction.load.work;
     for (const PrescribedMotion& motion : model_.motions) e.external += motion.work();
     e.contact = contact_.work;
+    e.start = start_energy_;
     return e;
 }
 

@@ -39,11 +39,12 @@ struct Energies {
     double implicit = 0;         // of the inertia kappa K that implicit parts add to M
     double implicit_damping = 0;  // dissipated by the implicit parts' own damping
     double implicit_change = 0;   // came in when that inertia was set anew
+    double start = 0;             // kinetic, of [[fem.initial_velocity]]
     /// What does not add up.
     double balance_error() const {
         return kinetic + internal + plastic + hourglass + bulk_viscosity + damping + far_field +
                pair_springs + pair_friction + pair_damping + implicit + implicit_damping -
-               implicit_change - external - contact;
+               implicit_change - start - external - contact;
     }
 };
 
@@ -87,6 +88,10 @@ class Structure {
     /// (dt [s]), see StaticWater. let_go(): before the first step that moves.
     void observe_still_water(double dt);
     void let_go();
+
+    /// Gives nodes and bodies the velocities they start with: before the first step, after the
+    /// equilibrium is found and the far field released. A second call does nothing.
+    void launch();
 
     /// Prescribed motions wait, as at t = 0, until count_from_here(): while equilibrium is found.
     void rest_motions();
@@ -169,7 +174,8 @@ class Structure {
     int threads_;
 
     double t_ = 0;          // [s] of n, as pressure_forces() was told
-    bool motions_rest_ = false;
+    bool motions_rest_ = false, launched_ = false;
+    double start_energy_ = 0;  // [J] of launch()
     bool measure_sections_ = true;
     double dt_ = 0;         // [s] of the last step; 0 at the start
     double kick_span_ = 0;  // [s] of the last kick

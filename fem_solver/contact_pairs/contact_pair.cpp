@@ -320,7 +320,7 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
 
     Vector now = old - t.k * slip;
     double limit = set.friction * t.normal_force;
-    if (set.max_shear > 0) limit = std::min(limit, set.max_shear * set.area[i]);
+    if (!set.max_friction.empty()) limit = std::min(limit, set.max_friction[i]);
     const double trial = now.norm();
     if (trial > limit) {
         const Vector returned = (limit / trial) * now;

@@ -25,7 +25,7 @@ struct ContactSet {
                                       // facet of `nodes`
     int body = -1;                    // index of the rigid body it belongs to, -1 = none
     double friction = 0;              // Coulomb coefficient
-    double max_shear = 0;             // [Pa] upper limit of the friction stress; 0 = none
+    std::vector<double> max_friction;  // [N] upper limit at each node; empty = none
     double gap = 0;                   // [m] distance in the mesh at which they touch
     double near = 0;                  // [m] within which nodes are kept in sight; 0 = two gaps
 };

@@ -4,8 +4,8 @@
 
 namespace undertow::fem {
 
-ElementLaw make_law(const Part& part, const BulkViscosity& viscosity) {
-    const LinearElastic& moduli = elastic_moduli(part.material);
+ElementLaw make_law(const Part& part, const LinearElastic& moduli,
+                    const BulkViscosity& viscosity) {
     const double lambda = moduli.lambda, mu = moduli.mu;
     const double nu = moduli.poisson_ratio();
     return {.inverse_density = 1 / part.density,

@@ -7,11 +7,12 @@
 #include "checkpoint/archive.hpp"
 #include "fem_solver/elements/batches.hpp"
 #include "fem_solver/elements/element_law.hpp"
+#include "fem_solver/elements/local_laws.hpp"
 
 namespace undertow::fem {
 
-/// What elements of a part share, from its material.
-ElementLaw make_law(const Part& part, const BulkViscosity& viscosity);
+/// What elements of a part share, from its material and their moduli.
+ElementLaw make_law(const Part& part, const LinearElastic& moduli, const BulkViscosity& viscosity);
 /// Mass that gravity acts on over mass; exactly 1 where the two are alike.
 double weight_share(const Part& part);
 
@@ -27,11 +28,12 @@ class BatchedGroup : public ElementGroup {
           omega2_(batches_.size()) {
         bool any_plastic = false, any_hardens = false;
         for (Part& part : parts_) {
-            law_.push_back(make_law(part, viscosity));
+            law_.push_back(make_law(part, form_moduli(part.material), viscosity));
             any_plastic |= is_plastic(part.material);
             any_hardens |= hardens(part.material);
             part.elements = {};
         }
+        pack_local_laws(mesh, viscosity);
         if (any_hardens) strain_points_ = State::points;
         if (any_plastic) plastic_strain_.resize(batches_.size() * strain_points_, Lanes{});
     }
@@ -83,20 +85,36 @@ class BatchedGroup : public ElementGroup {
     void set_constants(std::size_t b, int lane, double mass, double omega2) {
         constants_[b].mass[lane] = mass;
         constants_[b].omega2_reference[lane] = omega2;
-        constants_[b].length[lane] = length_of(b, omega2);
+        constants_[b].length[lane] = length_of(b, lane, omega2);
         omega2_[b][lane] = omega2;
         omega2_start_ = std::max(omega2_start_, omega2);
     }
 
     /// [m] 2 c/omega, of the bulk viscosity: it has to shrink with the element, or a squeezed one is
     /// damped beyond what its step bears.
-    double length_of(std::size_t b, double omega2) const {
-        return 2 * law_[batches_[b].part].sound_speed / std::sqrt(omega2);
+    double length_of(std::size_t b, int lane, double omega2) const {
+        return 2 * law_of(b, lane).sound_speed / std::sqrt(omega2);
     }
     void set_reference(std::size_t b, const Lanes& omega2) {
         constants_[b].omega2_reference = omega2;
         for (int lane = 0; lane < batches_[b].valid; ++lane)
-            constants_[b].length[lane] = length_of(b, omega2[lane]);
+            constants_[b].length[lane] = length_of(b, lane, omega2[lane]);
+    }
+
+    bool is_local(std::size_t b) const { return !local_.empty() && local_begin_[b] >= 0; }
+    /// Packed constants of a batch whose law depends on the place.
+    const Lanes* local(std::size_t b) const { return &local_[local_begin_[b]]; }
+    /// Figures of one element: those of its part, with its own moduli where they differ.
+    ElementLaw law_of(std::size_t b, int lane) const {
+        ElementLaw law = law_[batches_[b].part];
+        if (!is_local(b)) return law;
+        const ElementLawOf<Lanes> all = local_element_law(law, local(b));
+        law.lambda = all.lambda[lane];
+        law.mu = all.mu[lane];
+        law.sound_speed = all.sound_speed[lane];
+        law.bending_modulus = all.bending_modulus[lane];
+        law.young_modulus = all.young_modulus[lane];
+        return law;
     }
 
     // in batched_step.hpp:
@@ -119,10 +137,47 @@ class BatchedGroup : public ElementGroup {
     double omega2_start_ = 0;
 
  private:
+    void pack_local_laws(const Mesh& mesh, const BulkViscosity& viscosity);
+
+    std::vector<Lanes> local_;               // see local_laws.hpp; empty when no law depends on depth
+    std::vector<std::ptrdiff_t> local_begin_;  // [n_batches] into it, -1: of a part without
+
     template <class Kernel, class Law>
     ElementsReport step_chunk(const Chunk& chunk, Nodes& nodes, double dt, const Law& material,
                               const Kernel& kernel);
 };
+
+template <int n_corners, class Constants, class State>
+void BatchedGroup<n_corners, Constants, State>::pack_local_laws(const Mesh& mesh,
+                                                                const BulkViscosity& viscosity) {
+    const auto pack = [&]<class Law>(std::size_t b, const WithDepth<Law>& law) {
+        constexpr int n = n_strengths(static_cast<const Law*>(nullptr));
+        local_begin_.resize(batches_.size(), -1);
+        local_begin_[b] = std::ptrdiff_t(local_.size());
+        local_.resize(local_.size() + packed::strengths + n * State::points);
+        Lanes* figure = &local_[local_begin_[b]];
+        for (int lane = 0; lane < n_lanes; ++lane) {
+            const std::span<const std::int32_t> corners = mesh.corners(batches_.element(b, lane));
+            double height[n_corners], z[State::points];
+            for (int c = 0; c < n_corners; ++c) height[c] = mesh.x[corners[c]][2];
+            const LinearElastic moduli =
+                law.at(height_of(mesh, batches_.element(b, lane))).elastic;
+            figure[packed::sound_speed][lane] =
+                make_law(parts_[batches_[b].part], moduli, viscosity).sound_speed;
+            figure[packed::lambda][lane] = moduli.lambda;
+            figure[packed::mu][lane] = moduli.mu;
+            heights_of_points(height, z);
+            for (int q = 0; q < State::points; ++q)
+                put_strength(law.at(z[q]), figure + packed::strengths + n * q, lane);
+        }
+    };
+    for (std::size_t b = 0; b < batches_.size(); ++b)
+        std::visit(
+            [&]<class Law>(const Law& law) {
+                if constexpr (depends_on_depth<Law>) pack(b, law);
+            },
+            parts_[batches_[b].part].material);
+}
 
 UNDERTOW_KERNEL void set_lane(Symmetric<Lanes>& s, int lane, const Symmetric<double>& value) {
     s.xx[lane] = value.xx;

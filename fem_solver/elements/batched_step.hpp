@@ -36,7 +36,11 @@ ElementsReport BatchedGroup<n_corners, Constants, State>::step_chunk(const Chunk
         ElementReport<Lanes> report;
         Lanes* plastic_strain = nullptr;
         if constexpr (Law::plastic) plastic_strain = &plastic_strain_[b * strain_points_];
-        kernel(b, x, dx, dt, constants_[b], material, law, state_[b], plastic_strain, f, report);
+        if constexpr (depends_on_depth<Law>)
+            kernel(b, x, dx, dt, constants_[b], LocalLaw{material, local(b)},
+                   local_element_law(law, local(b)), state_[b], plastic_strain, f, report);
+        else
+            kernel(b, x, dx, dt, constants_[b], material, law, state_[b], plastic_strain, f, report);
         scatter_corners(nodes.f.data(), batch.node, batch.valid, f);
         omega2_[b] = report.omega2;
         collect(sum, report, constants_[b].omega2_reference, batch.valid);
@@ -72,8 +76,15 @@ void BatchedGroup<n_corners, Constants, State>::subtract_tangent(const NodeRows&
         gather_step(x_rows, u, 1, batch.node, x, dx);
         State state = {};
         ElementReport<Lanes> report;
-        kernel(b, x, dx, 1.0, constants_[b], elastic_moduli(parts_[batch.part].material), law,
-               state, static_cast<Lanes*>(nullptr), f, report);
+        const auto step = [&](const auto& moduli, const auto& element_law) {
+            kernel(b, x, dx, 1.0, constants_[b], moduli, element_law, state,
+                   static_cast<Lanes*>(nullptr), f, report);
+        };
+        if (is_local(b))
+            step(LinearElasticOf<Lanes>{local(b)[packed::lambda], local(b)[packed::mu]},
+                 local_element_law(law, local(b)));
+        else
+            step(form_moduli(parts_[batch.part].material), law);
         scatter_corners(f_rows.data(), batch.node, batch.valid, f);
     }
 }

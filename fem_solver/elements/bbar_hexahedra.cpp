@@ -24,7 +24,7 @@ BbarHexahedra::BbarHexahedra(const Mesh& mesh, const std::vector<Part>& parts,
             modes_of([&](int corner) { return mesh.x[nodes[corner]].data(); }, x);
             double C[6][3], D;
             mean_gradient(x, C, D);
-            const ElementLaw& law = law_[batches_[b].part];
+            const ElementLaw law = law_of(b, l);
             const double mass = D / 64 / law.inverse_density;
             set_constants(b, l, mass,
                           bbar_eigenvalue_bound(C, D, mass, largest_metric(x), law.lambda, law.mu));

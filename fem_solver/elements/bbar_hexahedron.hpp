@@ -85,12 +85,12 @@ UNDERTOW_KERNEL T gram_bound(const T (&c)[3][3]) {
 /// W = V_q J_q^-1 J_q^-T of a point: in the orthonormal modes the reference gradients of all points
 /// add up to at most 1, so the shear part cannot exceed the worst point.   [1/s2]
 /// `shear` = max_q |W_q|. Exact for a box whose faces are free.
-template <class T>
+template <class T, class M>
 UNDERTOW_KERNEL T bbar_eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass,
-                                        const T& shear, double lambda, double mu) {
+                                        const T& shear, const M& lambda, const M& mu) {
     T trace = dot(C[0], C[0]) + dot(C[1], C[1]) + dot(C[2], C[2]);
     trace += dot(C[3], C[3]) + dot(C[4], C[4]) + dot(C[5], C[5]);
-    return ((lambda > 0 ? lambda : 0.0) * trace / D + (16 * mu) * shear) / mass;
+    return (larger(lambda, M(0.0 * lambda)) * trace / D + (16 * mu) * shear) / mass;
 }
 
 /// Largest |W_q| of the points, for positions in modes.   [m]
@@ -111,10 +111,10 @@ UNDERTOW_KERNEL T largest_metric(const Modes<T> (&x)[3]) {
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, f [N] internal forces at n.
 /// plastic_strain: the equivalent one so far, of materials that harden at each point, of others
 /// the mean of the points.
-template <class T, class Material>
+template <class T, class Material, class M>
 UNDERTOW_KERNEL void step_bbar(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
                                const BbarConstants<T>& element, const Material& material,
-                               const ElementLaw& law, BbarState<T>& state, T* plastic_strain,
+                               const ElementLawOf<M>& law, BbarState<T>& state, T* plastic_strain,
                                T (&f)[3][8], ElementReport<T>& report) {
     const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
     const Modes<T> dx[3] = {to_modes(dx_nodes[0]), to_modes(dx_nodes[1]), to_modes(dx_nodes[2])};
@@ -163,7 +163,7 @@ UNDERTOW_KERNEL void step_bbar(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][
         rotate_with_spin(L, s);
         const Symmetric<T> before = s;
         PlasticFlow<T> flow;  // set and read for plastic materials alone
-        update_stress(material, d_eps, dt, plastic_strain + q, s, flow);
+        update_stress(at_point(material, q), d_eps, dt, plastic_strain + q, s, flow);
         if constexpr (Material::plastic) {
             plastic_work += det * flow.work;
             if constexpr (Material::hardens)

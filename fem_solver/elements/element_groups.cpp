@@ -69,9 +69,15 @@ Elements::Elements(const Mesh& mesh, const std::vector<Part>& parts, const BulkV
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const Part& part = parts[p];
         name_.push_back(part.name);
-        const LinearElastic& moduli = elastic_moduli(part.material);
-        wave_speed_ =
-            std::max(wave_speed_, std::sqrt((moduli.lambda + 2 * moduli.mu) / part.density));
+        const auto include_moduli = [&](double z) {
+            const LinearElastic moduli = elastic_moduli(part.material, z);
+            wave_speed_ =
+                std::max(wave_speed_, std::sqrt((moduli.lambda + 2 * moduli.mu) / part.density));
+        };
+        if (varies_with_depth(part.material))
+            for (std::int32_t e : part.elements) include_moduli(height_of(mesh, e));
+        else
+            include_moduli(0);
         any_plastic_ |= is_plastic(part.material);
         std::vector<std::vector<std::int32_t>> split(std::size(kinds));
         for (std::int32_t e : part.elements) {

@@ -6,17 +6,19 @@
 
 namespace undertow::fem {
 
-/// Scalars that all elements of a part share.
-struct ElementLaw {
+/// Figures that all elements of a part share; M is Lanes where moduli differ from one to the next.
+template <class M>
+struct ElementLawOf {
     double inverse_density;  // [m3/kg] of the undeformed material
-    double lambda, mu;       // [Pa] moduli of the eigenvalue bound
-    double sound_speed;      // [m/s] sqrt((lambda + 2 mu)/rho)
-    double bending_modulus;  // [Pa] E/(1 - nu^2): plane stress, = 2 mu/(1 - nu)
+    M lambda, mu;            // [Pa] moduli of the eigenvalue bound
+    M sound_speed;           // [m/s] sqrt((lambda + 2 mu)/rho)
+    M bending_modulus;       // [Pa] E/(1 - nu^2): plane stress, = 2 mu/(1 - nu)
     double poisson_ratio;
-    double young_modulus;             // [Pa]
+    M young_modulus;                  // [Pa]
     double bulk_viscosity_linear;     // b1
     double bulk_viscosity_quadratic;  // b2
 };
+using ElementLaw = ElementLawOf<double>;
 
 /// What an element reports of a step: energies to be summed, health figures to be reduced.
 template <class T>
@@ -34,8 +36,8 @@ struct ElementReport {
 
 /// q = rho ( b1 c l tr(D) - (b2 l tr(D))^2 when compressed )   [Pa], tension positive; `closing`
 /// = -l tr(D) [m/s]
-template <class T>
-UNDERTOW_KERNEL T bulk_viscosity(const ElementLaw& law, const T& density, const T& closing) {
+template <class T, class M>
+UNDERTOW_KERNEL T bulk_viscosity(const ElementLawOf<M>& law, const T& density, const T& closing) {
     const T squeeze = law.bulk_viscosity_quadratic * larger(closing, T(closing * 0.0));
     return -density * (law.bulk_viscosity_linear * law.sound_speed * closing + squeeze * squeeze);
 }

@@ -29,7 +29,7 @@ Hexahedra::Hexahedra(const Mesh& mesh, const std::vector<Part>& parts,
         for (int l = 0; l < n_lanes; ++l) {
             const Hexahedron& nodes = mesh.hexahedra[batches_.element(b, l)];
             const Shape shape([&](int corner) { return mesh.x[nodes[corner]].data(); });
-            const ElementLaw& law = law_[batches_[b].part];
+            const ElementLaw law = law_of(b, l);
             const double mass = shape.D / 64 / law.inverse_density;
             set_constants(b, l, mass, eigenvalue_bound(shape.C, shape.D, mass, law.lambda, law.mu));
             for (int k = 0; k < 3; ++k) {

@@ -73,15 +73,15 @@ UNDERTOW_KERNEL void mean_gradient(const Modes<T> (&x)[3], T (&C)[6][3], T& D) {
 /// omega^2 <= (8/rho) (lambda tr g + 2 mu |g|), g_ij = b_iI b_jI / V^2, lambda >= 0   [1/s2]
 /// The largest eigenvalue of g is bounded by the row sums of the Gram matrix of the three face
 /// vectors: exact for a box in any orientation.  [after Flanagan and Belytschko 1984]
-template <class T>
-UNDERTOW_KERNEL T eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass, double lambda,
-                                   double mu) {
+template <class T, class M>
+UNDERTOW_KERNEL T eigenvalue_bound(const T (&C)[6][3], const T& D, const T& mass, const M& lambda,
+                                   const M& mu) {
     const T c00 = dot(C[0], C[0]), c11 = dot(C[1], C[1]), c22 = dot(C[2], C[2]);
     const T c01 = magnitude(dot(C[0], C[1])), c12 = magnitude(dot(C[1], C[2])),
             c20 = magnitude(dot(C[2], C[0]));
     const T twist = dot(C[3], C[3]) + dot(C[4], C[4]) + dot(C[5], C[5]);
     const T row = larger(larger(c00 + c01 + c20, c01 + c11 + c12), c20 + c12 + c22);
-    const double volumetric = lambda > 0 ? lambda : 0;  // below 0 (nu < 0) it only softens
+    const M volumetric = larger(lambda, M(0.0 * lambda));  // below 0 (nu < 0) it only softens
     return (volumetric * (c00 + c11 + c22 + twist) + 2 * mu * (row + twist)) / (mass * D);
 }
 
@@ -126,8 +126,9 @@ UNDERTOW_KERNEL void hourglass_displacements(const Modes<T> (&x)[3], const Modes
 /// bending modes would bring and without change of volume (plane stress across each bending plane),
 /// so that a beam one element deep bends right. Adds to Q, returns the work [J].
 ///   [assumed strain: Belytschko and Bindeman 1993, Puso 2000; weights in docs/theory_fem.md]
-template <class T>
-UNDERTOW_KERNEL T update_hourglass(const ElementLaw& law, const T& volume_start, const T (&w)[3],
+template <class T, class M>
+UNDERTOW_KERNEL T update_hourglass(const ElementLawOf<M>& law, const T& volume_start,
+                                   const T (&w)[3],
                                    const T (&p)[3][4], T (&Q)[3][4]) {
     const T bending = (law.bending_modulus / 3) * volume_start;
     const T torsion = (law.mu / 3) * volume_start;
@@ -185,10 +186,10 @@ UNDERTOW_KERNEL void nodal_forces(const Modes<T> (&x)[3], const T (&C)[6][3], co
 
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, f [N] internal forces at n.
 /// plastic_strain: the equivalent one so far, of plastic materials alone.
-template <class T, class Material>
+template <class T, class Material, class M>
 UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_nodes)[3][8], double dt,
                                      const HexahedronConstants<T>& element,
-                                     const Material& material, const ElementLaw& law,
+                                     const Material& material, const ElementLawOf<M>& law,
                                      HexahedronState<T>& state, T* plastic_strain, T (&f)[3][8],
                                      ElementReport<T>& report) {
     const Modes<T> x[3] = {to_modes(x_nodes[0]), to_modes(x_nodes[1]), to_modes(x_nodes[2])};
@@ -209,7 +210,8 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
     rotate_with_spin(L, s);
     const Symmetric<T> before = s;
     PlasticFlow<T> flow;  // set and read for plastic materials alone
-    update_stress(material, d_eps, dt, plastic_strain, s, flow);
+    const auto& here = at_point(material, 0);
+    update_stress(here, d_eps, dt, plastic_strain, s, flow);
     state.stress = s;
     report.strain_work = half_volume * work_of_sum(before, s, d_eps);
 
@@ -230,7 +232,7 @@ UNDERTOW_KERNEL void step_hexahedron(const T (&x_nodes)[3][8], const T (&dx_node
         update_hourglass(law, volume_start, element.axis_weight, p, state.hourglass);
         if (any(flow.strain > 0.0)) return_hourglass(law.mu, flow, state.hourglass);
         *plastic_strain += flow.strain;
-        report.hourglass_work = limit_hourglass(material.shear_limit(s, *plastic_strain),
+        report.hourglass_work = limit_hourglass(here.shear_limit(s, *plastic_strain),
                                                 volume_start, element.axis_weight, p, Q,
                                                 state.hourglass);
         report.plastic_work = (2.0 * half_volume) * flow.work;

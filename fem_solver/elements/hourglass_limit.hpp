@@ -20,8 +20,8 @@ inline constexpr double plastic_section = 1.5, plastic_warping = 2.25;
 /// s_u times the share of the varying strain rate in the whole, and nothing where all of the
 /// element flows alike.
 ///   1 - sqrt(3) mu strain/sqrt(J2)   [linearized radial return]
-template <class T>
-UNDERTOW_KERNEL void return_hourglass(double mu, const PlasticFlow<T>& flow, T (&Q)[3][4]) {
+template <class T, class M>
+UNDERTOW_KERNEL void return_hourglass(const M& mu, const PlasticFlow<T>& flow, T (&Q)[3][4]) {
     const T one = 1.0 + 0.0 * flow.strain;
     // lanes that do not flow may have no deviator at all
     const T root = square_root(larger(flow.trial_J2, T(1e-300 * one)));

@@ -32,7 +32,7 @@ Tetrahedra::Tetrahedra(const Mesh& mesh, const std::vector<Part>& parts,
             double c[3][3];
             const double det =
                 cofactors_of([&](int corner) { return mesh.x[nodes[corner]].data(); }, c);
-            const ElementLaw& law = law_[batches_[b].part];
+            const ElementLaw law = law_of(b, l);
             const double mass = det / 6 / law.inverse_density;
             set_constants(b, l, mass,
                           tetrahedron_eigenvalue_bound(c, det, mass, law.lambda, law.mu));

@@ -77,9 +77,9 @@ UNDERTOW_KERNEL void volume_and_change(const T (&x)[3][4], const T (&dx)[3][4], 
 
 /// omega^2 <= (4/m) V (lambda tr g + 2 mu |g|), lambda >= 0, g_ij = b_iI b_jI.   [1/s2]
 /// The elements' own dilatations bound the averaged one, whose energy is smaller.
-template <class T>
+template <class T, class M>
 UNDERTOW_KERNEL T tetrahedron_eigenvalue_bound(const T (&c)[3][3], const T& det, const T& mass,
-                                               double lambda, double mu) {
+                                               const M& lambda, const M& mu) {
     T sum[3];  // node 0: its gradient is minus the sum of the others'
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) sum[i] = c[0][i] + c[1][i] + c[2][i];
@@ -92,16 +92,16 @@ UNDERTOW_KERNEL T tetrahedron_eigenvalue_bound(const T (&c)[3][3], const T& det,
     const T g01 = magnitude(g[0][1]), g12 = magnitude(g[1][2]), g20 = magnitude(g[2][0]);
     const T row = larger(larger(g[0][0] + g01 + g20, g01 + g[1][1] + g12), g20 + g12 + g[2][2]);
     const T trace = g[0][0] + g[1][1] + g[2][2];
-    return (2.0 / 3) * ((lambda > 0 ? lambda : 0.0) * trace + (2 * mu) * smaller(row, trace)) /
+    return (2.0 / 3) * (larger(lambda, M(0.0 * lambda)) * trace + (2 * mu) * smaller(row, trace)) /
            (mass * det);
 }
 
 /// One step. x [m] positions at n, dx [m] displacements from n-1 to n, dilatation: the patch's,
 /// f [N] internal forces at n, plastic_strain: the equivalent one so far, of plastic materials alone.
-template <class T, class Material>
+template <class T, class Material, class M>
 UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], const T& dilatation,
                                       double dt, const TetrahedronConstants<T>& element,
-                                      const Material& material, const ElementLaw& law,
+                                      const Material& material, const ElementLawOf<M>& law,
                                       TetrahedronState<T>& state, T* plastic_strain, T (&f)[3][4],
                                       ElementReport<T>& report) {
     T A[3][3], dA[3][3], c[3][3], G[3][3], L[3][3];
@@ -119,7 +119,7 @@ UNDERTOW_KERNEL void step_tetrahedron(const T (&x)[3][4], const T (&dx)[3][4], c
     rotate_with_spin(L, s);
     const Symmetric<T> before = s;
     PlasticFlow<T> flow;  // set and read for plastic materials alone
-    update_stress(material, d_eps, dt, plastic_strain, s, flow);
+    update_stress(at_point(material, 0), d_eps, dt, plastic_strain, s, flow);
     state.stress = s;
     if constexpr (Material::dilates) {
         report.strain_work = (0.5 * of_midpoint) * work_of_sum(before, s, d_eps);

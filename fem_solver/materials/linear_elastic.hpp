@@ -2,6 +2,9 @@
 // Isotropic linear elasticity, as a law: constants in, stress updated in place. Every material has
 // this shape: operator()(state, strain increment, dt), a template over the number type; the
 // rotation of the stress (objective rate) has been done by the element before.
+//
+// M is the type of the constants: double where a part has one value, Lanes where each of eight
+// elements has its own.
 
 #include "fem_solver/simd.hpp"
 
@@ -14,17 +17,19 @@ struct Symmetric {
 };
 
 /// sigma += lambda tr(d_eps) I + 2 mu d_eps   [Pa]
-struct LinearElastic {
-    double lambda;  // [Pa] first Lame constant
-    double mu;      // [Pa] shear modulus
+template <class M>
+struct LinearElasticOf {
+    M lambda;  // [Pa] first Lame constant
+    M mu;      // [Pa] shear modulus
 
     static constexpr bool plastic = false, dilates = false;
 
-    static LinearElastic from_young(double young_modulus, double poisson_ratio) {
-        const double E = young_modulus, nu = poisson_ratio;
+    static LinearElasticOf from_young(M young_modulus, double poisson_ratio) {
+        const M E = young_modulus;
+        const double nu = poisson_ratio;
         return {E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};
     }
-    double poisson_ratio() const { return lambda / (2 * (lambda + mu)); }
+    M poisson_ratio() const { return lambda / (2 * (lambda + mu)); }
 
     template <class T>
     UNDERTOW_KERNEL void operator()(Symmetric<T>& s, const Symmetric<T>& d_eps,
@@ -38,5 +43,6 @@ struct LinearElastic {
         s.zx += 2 * mu * d_eps.zx;
     }
 };
+using LinearElastic = LinearElasticOf<double>;
 
 }  // namespace undertow::fem

@@ -18,12 +18,13 @@ namespace undertow::fem {
 /// is consistent, and the apex of the pyramid belongs to the cut-off.
 ///   [Clausen, Damkilde and Andersen 2006, 2007; de Souza Neto, Peric and Owen 2008, ch. 8;
 ///    the cut-off: derived in docs/theory_fem.md, 9]
-struct MohrCoulomb {
-    LinearElastic elastic;
+template <class M>
+struct MohrCoulombOf {
+    LinearElasticOf<M> elastic;
     double sin_friction;  // sin phi
     double sin_dilation;  // sin psi
-    double cohesion;      // [Pa] c cos phi
-    double tension;       // [Pa] T
+    M cohesion;           // [Pa] c cos phi
+    M tension;            // [Pa] T
 
     /// T where neither cohesion nor the case sets an end.   [Pa]
     static constexpr double no_cutoff = 1e100;
@@ -41,27 +42,27 @@ struct MohrCoulomb {
     /// moved.
     template <class T>
     UNDERTOW_KERNEL auto return_principal(T& r1, T& r2, T& r3) const {
-        const double lambda = elastic.lambda, mu = elastic.mu;
+        const M lambda = elastic.lambda, mu = elastic.mu;
         const double a = 1 + sin_friction, b = 1 - sin_friction;
         const double open = 1 + sin_dilation, close = 1 - sin_dilation;
         // stress relaxed by a unit of slip on (1, 3): by volume, along s1, along s3
-        const double volume = 2 * lambda * sin_dilation;
-        const double drop = 2 * mu * open + volume, rise = 2 * mu * close - volume;
-        const double both = 2 * volume * sin_friction;
-        const double of_face = 4 * mu * (1 + sin_friction * sin_dilation) + both;
-        const double of_upper = mu * (a * open + 2 * b * close) + both;
-        const double of_lower = mu * (2 * a * open + b * close) + both;
+        const M volume = 2 * lambda * sin_dilation;
+        const M drop = 2 * mu * open + volume, rise = 2 * mu * close - volume;
+        const M both = 2 * volume * sin_friction;
+        const M of_face = 4 * mu * (1 + sin_friction * sin_dilation) + both;
+        const M of_upper = mu * (a * open + 2 * b * close) + both;
+        const M of_lower = mu * (2 * a * open + b * close) + both;
         const T t1 = r1, t2 = r2, t3 = r3, zero = 0.0 * r1;
         const T limit = 2 * cohesion + zero, T_max = tension + zero;
 
         const T f = a * t1 - b * t3 - limit;
         const auto yields = (f > 0.0) | (t1 > tension);
-        const T slip = (1 / of_face) * larger(f, zero);
+        const T slip = (1.0 / of_face) * larger(f, zero);
         const T face1 = t1 - drop * slip, face2 = t2 - volume * slip, face3 = t3 + rise * slip;
         // where the slip would take two principal stresses past each other both planes slide
         const T mean12 = 0.5 * (t1 + t2), mean23 = 0.5 * (t2 + t3);
-        const T upper = (1 / of_upper) * (a * mean12 - b * t3 - limit);
-        const T lower = (1 / of_lower) * (a * t1 - b * mean23 - limit);
+        const T upper = (1.0 / of_upper) * (a * mean12 - b * t3 - limit);
+        const T lower = (1.0 / of_lower) * (a * t1 - b * mean23 - limit);
         const T upper12 = mean12 - (mu * open + volume) * upper, upper3 = t3 + rise * upper;
         const T lower1 = t1 - drop * lower, lower23 = mean23 + (mu * close - volume) * lower;
         const auto on_upper = face2 > face1, on_lower = face3 > face2;
@@ -126,8 +127,8 @@ struct MohrCoulomb {
         s.zx = yields ? r.zx : trial.zx;
 
         // d_eps_p from the drop of the stress
-        const double lambda = elastic.lambda, compliance = 0.5 / elastic.mu;
-        const double of_trace = lambda / (3 * lambda + 2 * elastic.mu);
+        const M lambda = elastic.lambda, compliance = 0.5 / elastic.mu;
+        const M of_trace = lambda / (3 * lambda + 2 * elastic.mu);
         const T trace = trial.xx - s.xx + (trial.yy - s.yy) + (trial.zz - s.zz);
         const T exx = compliance * (trial.xx - s.xx - of_trace * trace),
                 eyy = compliance * (trial.yy - s.yy - of_trace * trace),
@@ -145,5 +146,6 @@ struct MohrCoulomb {
         flow.yielding = yields ? one : T(0.0 * one);
     }
 };
+using MohrCoulomb = MohrCoulombOf<double>;
 
 }  // namespace undertow::fem

@@ -15,6 +15,13 @@ struct PlasticFlow {
     T trial_J2;  // [Pa2] of the elastic trial stress
 };
 
+/// The law at point q of an element: the same everywhere, unless its strength depends on the place
+/// (elements/local_laws.hpp).
+template <class Material>
+UNDERTOW_KERNEL const Material& at_point(const Material& material, int /*q*/) {
+    return material;
+}
+
 /// A law at a point: elastic ones leave no flow, hardening ones depend on the plastic strain so far.
 template <class T, class Material>
 UNDERTOW_KERNEL void update_stress(const Material& material, const Symmetric<T>& d_eps, double dt,

@@ -16,15 +16,16 @@ namespace undertow::fem {
 /// (on a face d2 stays; on the edge t1 = t2). The tensor follows without eigenvectors as the
 /// quadratic polynomial of the trial deviator that takes d to t.
 ///   [return: de Souza Neto, Peric, Owen 2008, ch. 8; Clausen, Damkilde, Andersen 2006]
-struct Tresca {
-    LinearElastic elastic;
-    double shear_strength;  // [Pa] s_u
+template <class M>
+struct TrescaOf {
+    LinearElasticOf<M> elastic;
+    M shear_strength;  // [Pa] s_u
 
     static constexpr bool plastic = true, hardens = false, dilates = false;
 
     /// Bounds hourglass stresses.   [Pa]
     template <class T>
-    UNDERTOW_KERNEL double shear_limit(const Symmetric<T>& /*stress*/, const T& /*eps_p*/) const {
+    UNDERTOW_KERNEL M shear_limit(const Symmetric<T>& /*stress*/, const T& /*eps_p*/) const {
         return shear_strength;
     }
 
@@ -37,7 +38,7 @@ struct Tresca {
         const T xx = s.xx - p, yy = s.yy - p, zz = s.zz - p;
         const T J2 =
             0.5 * (xx * xx + yy * yy + zz * zz) + (s.xy * s.xy + s.yz * s.yz + s.zx * s.zx);
-        const double su2 = shear_strength * shear_strength;
+        const M su2 = shear_strength * shear_strength;
         flow.strain = flow.work = flow.yielding = 0.0 * J2;
         flow.trial_J2 = J2;
         // the largest shear is at most sqrt(J2): most batches end here
@@ -49,7 +50,7 @@ struct Tresca {
     template <class T>
     UNDERTOW_KERNEL void flow_back(const Symmetric<T>& before, const T& p, const T& trial_J2,
                                    Symmetric<T>& s, PlasticFlow<T>& flow) const {
-        const double su = shear_strength;
+        const M su = shear_strength;
         const T a = s.xx - p, b = s.yy - p, c = s.zz - p;
         const T J3 = a * (b * c - s.yz * s.yz) - s.xy * (s.xy * c - s.yz * s.zx) +
                      s.zx * (s.xy * s.yz - b * s.zx);
@@ -85,7 +86,7 @@ struct Tresca {
         s.yz = yields ? T(sign * (c1 * D.yz + k * DD_yz)) : trial.yz;
         s.zx = yields ? T(sign * (c1 * D.zx + k * DD_zx)) : trial.zx;
 
-        const double compliance = 0.5 / elastic.mu;  // the drop is deviatoric: d_eps_p = drop/2 mu
+        const M compliance = 0.5 / elastic.mu;  // the drop is deviatoric: d_eps_p = drop/2 mu
         const T exx = compliance * (trial.xx - s.xx), eyy = compliance * (trial.yy - s.yy),
                 ezz = compliance * (trial.zz - s.zz), exy = compliance * (trial.xy - s.xy),
                 eyz = compliance * (trial.yz - s.yz), ezx = compliance * (trial.zx - s.zx);
@@ -97,5 +98,6 @@ struct Tresca {
         flow.yielding = yields ? one : T(0.0 * one);
     }
 };
+using Tresca = TrescaOf<double>;
 
 }  // namespace undertow::fem

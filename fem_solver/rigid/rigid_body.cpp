@@ -180,6 +180,18 @@ Wrench RigidBody::unbalanced(const Nodes& nodes, const Vec3& gravity) const {
             array(s_->free_turn.cwiseProduct(vector(all.moment)))};
 }
 
+double RigidBody::launch(Nodes& nodes, const Vec3& v, const Vec3& w) {
+    State& s = *s_;
+    for (int d = 0; d < 3; ++d) {
+        s.v[d] = s.set.driven[d] ? 0 : s.free_move[d] * v[d];
+        s.w[d] = s.set.turn_driven ? 0 : s.free_turn[d] * w[d];
+    }
+    s.L = s.free_turn.cwiseProduct(s.inertia_at(s.turned.toRotationMatrix()) * s.w);
+    for (std::size_t i = 0; i < s.set.nodes.size(); ++i)
+        put(nodes.v[s.set.nodes[i]], s.v + s.w.cross(s.turned * s.frame[i]));
+    return 0.5 * (s.mass * s.v.squaredNorm() + s.L.dot(s.w));
+}
+
 void RigidBody::rest_nodes(Nodes& nodes) const {
     for (std::int32_t n : s_->set.nodes) nodes.v[n] = NodeRow{};
 }

@@ -58,6 +58,9 @@ class RigidBody {
         double blow = 0;
     };
     const Driven& driven() const;
+    /// Velocity of the center [m/s] and angular velocity [rad/s] to start with, where it is free and
+    /// not driven; its nodes move along. Returns its kinetic energy [J].
+    double launch(Nodes& nodes, const Vec3& v, const Vec3& w);
     /// Ends all motion.
     void stop(Nodes& nodes);
     /// From here on displacement, rotation, work of the weight and contact() count from now.

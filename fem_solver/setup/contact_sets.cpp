@@ -65,15 +65,44 @@ double depth_of(const Mesh& mesh, const Quad& facet, std::span<const std::int32_
     return std::sqrt(squared);
 }
 
-/// Young's modulus [Pa] of each element.
-std::vector<double> moduli_of(const FemSettings& fem, const Mesh& mesh) {
-    std::vector<double> modulus(mesh.n_elements(), 0.0);
-    for (const FemPart& part : fem.part)
-        for (const FemMaterial& material : fem.material)
-            if (material.name == part.material)
-                for (std::int32_t e : mesh.elements_of(part.set, "fem.part"))
-                    modulus[e] = material.young_modulus;
-    return modulus;
+/// What contact has to know of the soil.
+struct Soil {
+    std::vector<double> modulus;  // [Pa] Young's, of each element
+    std::vector<int> part;        // of each element, index into `parts`; -1: none
+    const std::vector<Part>& parts;
+
+    Soil(const FemSettings& fem, const Mesh& mesh, const std::vector<Part>& all)
+        : modulus(mesh.n_elements(), 0.0), part(mesh.n_elements(), -1), parts(all) {
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            const FemMaterial& material =
+                *std::find_if(fem.material.begin(), fem.material.end(),
+                              [&](const auto& m) { return m.name == fem.part[p].material; });
+            for (std::int32_t e : parts[p].elements) {
+                part[e] = int(p);
+                modulus[e] = material.modulus_ratio > 0
+                                 ? material.modulus_ratio *
+                                       strength_at(parts[p].material, height_of(mesh, e))
+                                 : material.young_modulus;
+            }
+        }
+    }
+};
+
+/// [Pa] adhesion_factor s_u behind a facet, at the facet's own height.
+double adhesion(const FemContact& contact, const Mesh& mesh, const Soil& soil, const Quad& facet,
+                std::int32_t element) {
+    const Part& part = soil.parts[soil.part[element]];
+    const std::span<const std::int32_t> corners = corners_of(facet);
+    double z = 0;
+    for (std::int32_t n : corners) z += mesh.x[n][2] / double(corners.size());
+    const Material law = law_at(part.material, z);
+    const Tresca* clay = std::get_if<Tresca>(&law);
+    if (!clay)
+        throw InputError("fem.contact \"" + contact.name +
+                         "\": adhesion_factor is a share of the shear strength of the soil, but part \"" +
+                         part.name + "\" behind nodes = \"" + contact.nodes +
+                         "\" is not of kind = \"tresca\"; give max_shear instead.");
+    return contact.adhesion_factor * clay->shear_strength;
 }
 
 int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vector<Quad>& facets,
@@ -149,15 +178,13 @@ double coverage_of(const Mesh& mesh, const std::vector<Quad>& surface,
 
 ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
                             const std::vector<RigidSet>& bodies, const RigidShellFaces& faces,
-                            const std::vector<int>& body_of_node,
-                            const std::vector<double>& modulus,
+                            const std::vector<int>& body_of_node, const Soil& soil,
                             const std::map<Quad, double>& shells,
                             const std::map<Quad, double>& shell_modulus) {
     const std::string name = "fem.contact \"" + contact.name + "\"";
     ContactSet set;
     set.name = contact.name;
     set.friction = contact.friction;
-    set.max_shear = contact.max_shear;
     set.gap = contact.gap;
     set.near = contact.near;
     set.surface = faces.facets_of(mesh, contact.surface, "fem.contact surface");
@@ -185,6 +212,13 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     }
     set.area.resize(set.nodes.size());
     set.stiffness.resize(set.nodes.size());
+    if (contact.adhesion_factor > 0) {
+        if (shell_nodes)
+            throw InputError(name + ": adhesion_factor is a share of the shear strength of soil, but "
+                                    "nodes = \"" + contact.nodes +
+                             "\" are of shells; give max_shear instead.");
+        set.max_friction.resize(set.nodes.size());
+    }
     const Backers backers(mesh, facets);
     for (const Quad& q : facets) {
         const auto shell = shells.find(sorted_facet(q));
@@ -199,7 +233,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
         // a shell's springs yield a tenth of what its thickness would
         const double depth = shell == shells.end() ? depth_of(mesh, q, mesh.corners(e))
                                                    : shell->second;
-        const double E = shell == shells.end() ? modulus[e] : shell_modulus.at(sorted_facet(q));
+        const double E = shell == shells.end() ? soil.modulus[e] : shell_modulus.at(sorted_facet(q));
         for (std::int32_t n : corners) {
             const auto [from, to] = std::equal_range(set.nodes.begin(), set.nodes.end(), n);
             for (auto i = from; i < to; ++i) {
@@ -207,7 +241,16 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
                 set.stiffness[std::size_t(i - set.nodes.begin())] += E * share / depth;
             }
         }
+        if (contact.adhesion_factor > 0) {
+            const double shear = adhesion(contact, mesh, soil, q, e);
+            for (std::int32_t n : corners)
+                set.max_friction[std::size_t(
+                    std::lower_bound(set.nodes.begin(), set.nodes.end(), n) - set.nodes.begin())] +=
+                    shear * share;
+        }
     }
+    if (contact.max_shear > 0)
+        for (double area : set.area) set.max_friction.push_back(contact.max_shear * area);
     set.coverage = coverage_of(mesh, set.surface, facets);
     for (const Quad& q : set.surface)
         for (std::int32_t n : q)
@@ -230,17 +273,17 @@ std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
     std::vector<int> body_of_node(mesh.x.size(), -1);
     for (std::size_t b = 0; b < bodies.size(); ++b)
         for (std::int32_t n : bodies[b].nodes) body_of_node[n] = int(b);
-    const std::vector<double> modulus = moduli_of(c.fem, mesh);
+    const Soil soil(c.fem, mesh, parts);
     const std::map<Quad, double> shells = shell_thicknesses(mesh, parts);
     std::map<Quad, double> shell_modulus;
     for (std::size_t e = 0; e < mesh.n_elements(); ++e) {
         if (mesh.shape_of(std::int32_t(e)) != ElementShape::shell) continue;
         const std::span<const std::int32_t> n = mesh.corners(std::int32_t(e));
-        shell_modulus[sorted_facet({n[0], n[1], n[2], n[3]})] = modulus[e];
+        shell_modulus[sorted_facet({n[0], n[1], n[2], n[3]})] = soil.modulus[e];
     }
     for (const FemContact& contact : c.fem.contact)
-        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, modulus, shells,
-                                        shell_modulus));
+        sets.push_back(
+            make_contact_set(contact, mesh, bodies, faces, body_of_node, soil, shells, shell_modulus));
     return sets;
 }
 

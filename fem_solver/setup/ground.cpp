@@ -51,6 +51,10 @@ struct Strength {
 struct StrengthBeside {
     double vertical;  // [Pa]
     std::optional<Strength> operator()(const LinearElastic&) const { return {}; }
+    template <class Law>
+    std::optional<Strength> operator()(const WithDepth<Law>& law) const {
+        return (*this)(law.form);  // law_at() has chosen one before
+    }
     std::optional<Strength> operator()(const Tresca& law) const {
         const double k = 2 * law.shear_strength;
         return Strength{vertical - k, vertical + k,
@@ -68,8 +72,8 @@ struct StrengthBeside {
     }
 };
 
-std::optional<Strength> strength_of(const Material& material, double vertical) {
-    return std::visit(StrengthBeside{vertical}, material);
+std::optional<Strength> strength_of(const Material& material, double z, double vertical) {
+    return std::visit(StrengthBeside{vertical}, law_at(material, z));
 }
 
 /// InputError where ground at rest would have yielded already.
@@ -103,9 +107,7 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
                              mesh.element_name(e) +
                              ", but only solid ground has a stress at rest; give a set of solids.");
         const Part& part = parts[part_of[e]];
-        double z = 0;
-        const std::span<const std::int32_t> corners = mesh.corners(e);
-        for (std::int32_t n : corners) z += mesh.x[n][2] / double(corners.size());
+        const double z = height_of(mesh, e);
         if (z > ground.surface)
             throw InputError("fem.geostatic: " + mesh.element_name(e) +
                              " at z = " + number_text(z) + " m lies above surface = " +
@@ -113,7 +115,7 @@ std::vector<InitialStress> geostatic_stress(const Case& c, const Mesh& mesh,
         const double vertical =
             -part.weight_density.value_or(part.density) * g * (ground.surface - z);
         const double horizontal = K0 * vertical;
-        if (const std::optional<Strength> strength = strength_of(part.material, vertical))
+        if (const std::optional<Strength> strength = strength_of(part.material, z, vertical))
             check_at_rest(*strength, vertical, K0, z, mesh.element_name(e), part.name);
         all.push_back({e, {horizontal, horizontal, vertical, 0, 0, 0}});
     }
@@ -132,7 +134,7 @@ AbsorbingBoundary make_far_field(const FemSettings& fem, const Mesh& mesh,
         const auto found = facets.find(sorted_facet(face));
         if (found == facets.end() || part_of[e] < 0) return;
         const Part& part = parts[part_of[e]];
-        const LinearElastic& moduli = elastic_moduli(part.material);
+        const LinearElastic moduli = elastic_moduli(part.material, height_of(mesh, e));
         AbsorbingFacet& facet = found->second.facet;
         facet.normal_impedance = std::sqrt(part.density * (moduli.lambda + 2 * moduli.mu));
         facet.shear_impedance = std::sqrt(part.density * moduli.mu);

@@ -17,6 +17,7 @@
 #include "fem_solver/setup/rigid_shell_faces.hpp"
 #include "fem_solver/setup/sheet_mesh.hpp"
 #include "wire/errors.hpp"
+#include "wire/number_text.hpp"
 
 namespace undertow::fem {
 namespace {
@@ -68,13 +69,34 @@ MohrCoulomb make_mohr_coulomb(const FemMaterial& m, const LinearElastic& moduli)
             std::min(tip, m.tension_cutoff.value_or(tip))};
 }
 
+/// The same with its cut-off in `tension`, wherever the tip of the cone is (see with_strength()).
+MohrCoulomb make_cutoff_form(const FemMaterial& m, const LinearElastic& moduli) {
+    const double degree = std::acos(-1.0) / 180;
+    return {moduli, std::sin(m.friction_angle * degree), std::sin(m.dilation_angle * degree), 0,
+            m.tension_cutoff.value_or(MohrCoulomb::no_cutoff)};
+}
+
+/// Of a strength that grows with depth.
+Material make_material_of_depth(const FemMaterial& m) {
+    const double ratio = m.modulus_ratio;
+    const LinearElastic moduli =
+        LinearElastic::from_young(ratio > 0 ? ratio : m.young_modulus, m.poisson_ratio);
+    if (m.kind == MaterialKind::mohr_coulomb)
+        return WithDepth<MohrCoulomb>{make_cutoff_form(m, moduli), m.cohesion, *m.strength_gradient,
+                                      m.strength_level, 0};
+    return WithDepth<Tresca>{Tresca{moduli, 0}, m.shear_strength, *m.strength_gradient,
+                             m.strength_level, ratio};
+}
+
 Material make_material(const FemMaterial& m) {
-    if (!(m.density > 0) || !(m.young_modulus > 0))
+    const bool with_depth = m.strength_gradient && *m.strength_gradient != 0;
+    if (!(m.density > 0) || !(m.young_modulus > 0 || (with_depth && m.modulus_ratio > 0)))
         throw InputError("fem.material \"" + m.name + "\": density and young_modulus must be > 0.");
     if (!(m.poisson_ratio > -1 && m.poisson_ratio < 0.5))
         throw InputError("fem.material \"" + m.name +
                          "\": poisson_ratio = " + std::to_string(m.poisson_ratio) +
                          " must be > -1 and < 0.5 (0.49 is a good stand-in for 0.5).");
+    if (with_depth) return make_material_of_depth(m);
     const LinearElastic moduli = LinearElastic::from_young(m.young_modulus, m.poisson_ratio);
     switch (m.kind) {
         case MaterialKind::linear_elastic:
@@ -89,6 +111,26 @@ Material make_material(const FemMaterial& m) {
     if (!(m.shear_strength > 0))
         throw InputError("fem.material \"" + m.name + "\": shear_strength must be > 0.");
     return Tresca{moduli, m.shear_strength};
+}
+
+/// InputError where nothing is left of the strength.
+void check_strength(const FemMaterial& m, const Mesh& mesh, const Part& part) {
+    if (!varies_with_depth(part.material)) return;
+    const bool frictional = m.kind == MaterialKind::mohr_coulomb && m.friction_angle > 0;
+    for (std::int32_t e : part.elements)
+        for (std::int32_t n : mesh.corners(e)) {
+            const double z = height_of(mesh, e), s = strength_at(part.material, z);
+            const double at_corner = strength_at(part.material, mesh.x[n][2]);
+            if (s > 0 && at_corner >= 0) continue;
+            if (frictional && s >= 0 && at_corner >= 0) continue;
+            throw InputError("fem.material \"" + m.name + "\": strength_gradient = " +
+                             number_text(*m.strength_gradient) + " Pa/m leaves a strength of " +
+                             number_text(std::min(s, at_corner)) + " Pa at z = " +
+                             number_text(at_corner < s ? mesh.x[n][2] : z) + " m (" +
+                             mesh.element_name(e) + " of \"" + part.name +
+                             "\"); it must stay > 0: raise the strength at strength_level = " +
+                             number_text(m.strength_level) + " m, or move that level.");
+        }
 }
 
 /// InputError where material and element do not meet.
@@ -126,6 +168,7 @@ std::vector<Part> make_parts(const FemSettings& fem, const Mesh& mesh) {
                                  parts[part_of[e]].name + "\" and \"" + p.set + "\".");
             part_of[e] = int(parts.size());
         }
+        check_strength(*material, mesh, part);
         parts.push_back(std::move(part));
     }
     for (std::size_t e = 0; e < part_of.size(); ++e)
@@ -193,6 +236,19 @@ std::vector<std::int32_t> beyond_plane(const Mesh& mesh, const Vec3& point, cons
     return beyond;
 }
 
+/// [Pa] of each element; empty when it is one value in every part.
+std::vector<double> strengths(const Mesh& mesh, const std::vector<Part>& parts) {
+    std::vector<double> strength;
+    if (std::none_of(parts.begin(), parts.end(),
+                     [](const Part& part) { return varies_with_depth(part.material); }))
+        return strength;
+    strength.resize(mesh.n_elements());
+    for (const Part& part : parts)
+        for (std::int32_t e : part.elements)
+            strength[e] = strength_at(part.material, height_of(mesh, e));
+    return strength;
+}
+
 }  // namespace
 
 std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
@@ -222,6 +278,7 @@ Model build_model(const Case& c, Mesh mesh) {
     model.point_masses = make_point_masses(c, model.mesh, model.rigid);
     const RigidShellFaces faces(c, model.mesh, model.rigid);
     model.motions = make_motions(c, model.mesh, model.rigid);
+    model.initial_velocities = make_initial_velocities(c, model.mesh, model.rigid);
     model.contacts = make_contact_sets(c, model.mesh, model.parts, model.rigid, faces);
     if (!c.fem.surface.empty()) model.coupled_share = c.coupling.beta + 2 * c.coupling.damping;
     model.max_step = c.time.max_step;
@@ -243,6 +300,7 @@ Model build_model(const Case& c, Mesh mesh) {
         model.tractions.emplace_back(model.mesh.facets_of(t.set, "fem.traction"), model.mesh.x,
                                      t.value, t.ramp);
     model.surface = make_coupled_surface(c, model.mesh, model.parts, faces);
+    model.strength = strengths(model.mesh, model.parts);
     model.initial_stress = geostatic_stress(c, model.mesh, model.parts);
     model.far_field = make_far_field(c.fem, model.mesh, model.parts);
     model.water = make_static_water(c, model.mesh);

@@ -12,6 +12,7 @@
 #include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 #include "fem_solver/setup/ground.hpp"
+#include "fem_solver/setup/initial_velocities.hpp"
 #include "fem_solver/setup/mass_scaling.hpp"
 #include "fem_solver/setup/point_masses.hpp"
 #include "fem_solver/rigid/rigid_set.hpp"
@@ -46,6 +47,7 @@ struct Model {
     std::vector<PressureLoad> pressures;
     std::vector<TractionLoad> tractions;
     std::vector<PrescribedMotion> motions;
+    InitialVelocities initial_velocities;
     CoupledSurface surface;
     std::vector<InitialStress> initial_stress;
     AbsorbingBoundary far_field;
@@ -55,6 +57,8 @@ struct Model {
     std::vector<RigidSet> rigid;       // their elements are in no part
     std::vector<ContactSet> contacts;  // inside the mesh
     std::vector<PointMass> point_masses;
+    std::vector<double> strength;  // [Pa] (n_elements) s_u or c of each element, 0 of what has none;
+                                   // empty when it is one value in every part
     std::vector<ScaledPart> mass_scaling;  // of every part, empty when none was asked for
     double coupled_share = 0;  // of the stability budget that the coupler takes at coupled nodes
     double max_step = std::numeric_limits<double>::infinity();  // [s] the case's own limit

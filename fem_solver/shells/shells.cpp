@@ -12,7 +12,7 @@ namespace {
 constexpr double shear_correction = 5.0 / 6;
 
 ShellLaw make_law(const Part& part) {
-    const LinearElastic& moduli = elastic_moduli(part.material);
+    const LinearElastic moduli = form_moduli(part.material);
     const double nu = moduli.poisson_ratio(), E = 2 * moduli.mu * (1 + nu);
     return {.density = part.density,
             .thickness = part.thickness,

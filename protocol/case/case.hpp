@@ -278,6 +278,11 @@ struct FemMaterial {                     // [[fem.material]]
     double dilation_angle = 0;           // [degrees] psi of "mohr_coulomb", at most friction_angle
     std::optional<double> tension_cutoff{};  // [Pa] of "mohr_coulomb", largest tensile stress; none =
                                          // c cot phi, the tip of the cone
+    std::optional<double> strength_gradient{};  // [Pa/m] of "tresca" and "mohr_coulomb": what
+                                         // shear_strength or cohesion gains per meter of depth below
+    double strength_level = 0;           // [m] this z; above it there is no gain
+    double modulus_ratio = 0;            // of "tresca", instead of young_modulus: Young's modulus over
+                                         // the shear strength of the place
 };
 
 /// How the elements of a part compute their stress. `automatic`: hexahedra "one_point", tetrahedra
@@ -383,12 +388,26 @@ struct FemMotion {                       // [[fem.motion]]
     Vec3 center{};                       // [m] through this point, which moves along
 };
 
+/// Velocities at t = 0. What a support or a motion holds stays as it is.
+struct FemInitialVelocity {              // [[fem.initial_velocity]]
+    std::string set;                     // node, facet or volume set, or
+    std::string rigid;                   // the name of a [[fem.rigid]]
+    Vec3 velocity{};                     // [m/s], or
+    std::vector<Expression> formulas;    // of a set: three formulas of x, y, z in the undeformed mesh
+    Vec3 spin{};                         // [rad/s] on top: an angular velocity
+    bool has_center = false;
+    Vec3 center{};                       // [m] about this point; of a rigid body its center of mass,
+                                         // where none is given
+};
+
 struct FemContact {                      // [[fem.contact]] contact inside the mesh
     std::string name;
     std::string nodes;                   // facet set whose nodes are kept out of
     std::string surface;                 // this facet set
     double friction = 0;                 // Coulomb coefficient
     double max_shear = 0;                // [Pa] upper limit of the friction stress; 0 = none
+    double adhesion_factor = 0;          // the same as a share of the soil's own shear strength behind
+                                         // each facet of `nodes`; 0 = none
     double gap = 0;                      // [m] distance in the mesh at which they touch
     double near = 0;                     // [m] nodes within it are kept in sight; 0 = two gaps
 };
@@ -440,6 +459,7 @@ struct FemSettings {
     std::vector<FemAbsorbing> absorbing;
     std::vector<FemRigid> rigid;
     std::vector<FemMotion> motion;
+    std::vector<FemInitialVelocity> initial_velocity;
     std::vector<FemContact> contact;
     std::vector<FemProbe> probe;
     std::vector<FemHistory> history;

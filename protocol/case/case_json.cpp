@@ -241,6 +241,9 @@ void to_json(Json& j, const FemMaterial& v) {
          {"friction_angle", v.friction_angle},
          {"dilation_angle", v.dilation_angle},
          {"tension_cutoff", v.tension_cutoff ? Json(*v.tension_cutoff) : Json()}};
+    if (v.strength_gradient)
+        j["strength_gradient"] = *v.strength_gradient, j["strength_level"] = v.strength_level;
+    if (v.modulus_ratio > 0) j["modulus_ratio"] = v.modulus_ratio;
 }
 void to_json(Json& j, const FemPart& v) {
     j = {{"set", v.set}, {"material", v.material}, {"element", name(v.element)},
@@ -280,6 +283,7 @@ void to_json(Json& j, const FemRigid& v) {
 void to_json(Json& j, const FemContact& v) {
     j = {{"name", v.name},         {"nodes", v.nodes},         {"surface", v.surface},
          {"friction", v.friction}, {"max_shear", v.max_shear}, {"gap", v.gap}};
+    if (v.adhesion_factor > 0) j["adhesion_factor"] = v.adhesion_factor;
 }
 void to_json(Json& j, const FemMotion& v) {
     j = {{"name", v.name},         {"set", v.set},     {"rigid", v.rigid},
@@ -293,6 +297,10 @@ void to_json(Json& j, const FemMotion& v) {
     }
     if (v.angle) j["angle"] = v.angle->text();
     if (v.angle || !v.motion.empty()) j["axis"] = v.axis, j["center"] = v.center;
+}
+void to_json(Json& j, const FemInitialVelocity& v) {
+    j = {{"set", v.set}, {"rigid", v.rigid}, {"spin", v.spin}, {"center", v.center}};
+    j["velocity"] = v.formulas.empty() ? Json(v.velocity) : Json(texts(v.formulas));
 }
 void to_json(Json& j, const FemMass& v) {
     j = {{"set", v.set}, {"point", v.point}, {"mass", v.mass}};
@@ -332,6 +340,7 @@ void to_json(Json& j, const FemSettings& v) {
          {"absorbing", v.absorbing},
          {"rigid", v.rigid},
          {"motion", v.motion},
+         {"initial_velocity", v.initial_velocity},
          {"contact", v.contact},
          {"probe", v.probe},
          {"history", v.history}};

@@ -16,6 +16,10 @@ extern const std::vector<std::string> block_facets, block_sets;
 void read_fem_motion(TableReader& reader, FemMotion& motion, const FemSettings& fem,
                      const CaseInfo& info);
 
+/// [[fem.initial_velocity]]; after [[fem.rigid]].
+void read_initial_velocity(TableReader& reader, FemInitialVelocity& given, const FemSettings& fem,
+                           const CaseInfo& info);
+
 /// [[fem.history]]; after [[fem.contact]].
 void read_fem_history(TableReader& reader, FemHistory& history, const FemSettings& fem);
 

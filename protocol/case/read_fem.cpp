@@ -120,7 +120,7 @@ void read_mohr_coulomb(TableReader& reader, FemMaterial& material) {
     }
     reader.require("cohesion", "the cohesion in Pa, or 0");
     reader.require("friction_angle", "the angle of internal friction in degrees, or 0");
-    if (material.cohesion == 0 && material.friction_angle == 0)
+    if (material.cohesion == 0 && material.friction_angle == 0 && !reader.has("strength_gradient"))
         reader.reject("cohesion", "is not allowed: without cohesion and friction_angle the material "
                                   "has no strength at all; give one of them.");
     if (material.dilation_angle > material.friction_angle)
@@ -128,16 +128,47 @@ void read_mohr_coulomb(TableReader& reader, FemMaterial& material) {
                                         "gain energy; usual are 0 to friction_angle - 30 degrees, "
                                         "and 0 for soil whose volume stays.");
     const double phi = material.friction_angle * std::acos(-1.0) / 180;
-    if (cutoff > 0 && material.friction_angle > 0 &&
+    if (cutoff > 0 && material.friction_angle > 0 && !reader.has("strength_gradient") &&
         cutoff > material.cohesion / std::tan(phi) * (1 + 1e-12))
         reader.reject("tension_cutoff", "is not allowed: no tension reaches it, for the cone ends at "
                                         "cohesion/tan(friction_angle); lower it, or leave it out.");
 }
 
+/// strength_gradient, strength_level, modulus_ratio: after the strength itself.
+void read_depth(TableReader& reader, FemMaterial& material) {
+    double gradient = 0;
+    reader.number("strength_gradient", gradient, any("Pa/m"));
+    if (reader.has("strength_gradient")) material.strength_gradient = gradient;
+    reader.number("strength_level", material.strength_level, any("m"));
+    reader.number("modulus_ratio", material.modulus_ratio, positive());
+    const bool tresca = material.kind == MaterialKind::tresca;
+    if (!tresca && material.kind != MaterialKind::mohr_coulomb)
+        for (const char* key : {"strength_gradient", "strength_level"})
+            if (reader.has(key))
+                reader.reject(key, "has no effect but on kind = \"tresca\" and \"mohr_coulomb\".");
+    if (reader.has("strength_gradient"))
+        reader.require("strength_level", "the z in m below which the strength grows");
+    else if (reader.has("strength_level"))
+        reader.reject("strength_level", "has no effect without strength_gradient, in Pa per meter of "
+                                        "depth below it; give both or none.");
+    if (!reader.has("modulus_ratio")) {
+        reader.require("young_modulus", tresca ? "Young's modulus in Pa, or modulus_ratio, its ratio "
+                                                 "to shear_strength"
+                                               : "Young's modulus in Pa");
+        return;
+    }
+    if (!tresca)
+        reader.reject("modulus_ratio", "has no effect but on kind = \"tresca\", where it is Young's "
+                                       "modulus over shear_strength; give young_modulus.");
+    if (reader.has("young_modulus"))
+        reader.reject("modulus_ratio", "is one stiffness too many: young_modulus is there as well; "
+                                       "keep one of the two.");
+    material.young_modulus = material.modulus_ratio * material.shear_strength;
+}
+
 void read_material(TableReader& reader, FemMaterial& material) {
     reader.require("name", "a word that parts refer to");
     reader.require("density", "the density in kg/m3");
-    reader.require("young_modulus", "Young's modulus in Pa");
     reader.require("poisson_ratio", "Poisson's ratio");
     reader.text("name", material.name);
     reader.choice<MaterialKind>(
@@ -152,13 +183,16 @@ void read_material(TableReader& reader, FemMaterial& material) {
     if (reader.has("weight_density")) material.weight_density = weight_density;
     reader.number("young_modulus", material.young_modulus, positive("Pa"));
     reader.number("poisson_ratio", material.poisson_ratio, between(-1, 0.5));
-    reader.number("shear_strength", material.shear_strength, positive("Pa"));
+    // 0 at the level where it begins to grow
+    reader.number("shear_strength", material.shear_strength,
+                  reader.has("strength_gradient") ? at_least(0, "Pa") : positive("Pa"));
     if (material.kind == MaterialKind::tresca)
         reader.require("shear_strength", "the undrained shear strength s_u in Pa");
     else if (reader.has("shear_strength"))
         reader.reject("shear_strength", "has no effect but on kind = \"tresca\".");
     read_hardening(reader, material);
     read_mohr_coulomb(reader, material);
+    read_depth(reader, material);
 }
 
 /// What a scene under water and on soil needs: static water, stress at rest, the far field.
@@ -212,6 +246,10 @@ void read_contact(TableReader& reader, FemContact& contact) {
     reader.text("surface", contact.surface);
     reader.number("friction", contact.friction, at_least(0));
     reader.number("max_shear", contact.max_shear, at_least(0, "Pa"));
+    reader.number("adhesion_factor", contact.adhesion_factor, closed(0, 1));
+    if (contact.adhesion_factor > 0 && contact.max_shear > 0)
+        reader.reject("adhesion_factor", "is one limit too many: max_shear is there as well; keep one "
+                                         "of the two.");
     reader.require("gap", "the distance in m between the two in the mesh");
     reader.number("gap", contact.gap, positive("m"));
     reader.number("near", contact.near, positive("m"));
@@ -342,6 +380,9 @@ void read_fem(TableReader& reader, FemSettings& fem, const CaseInfo& info,
                   [&](TableReader& entry) { read_rigid(entry, fem.rigid.emplace_back(), fem); });
     reader.tables("motion", [&](TableReader& entry) {
         read_fem_motion(entry, fem.motion.emplace_back(), fem, info);
+    });
+    reader.tables("initial_velocity", [&](TableReader& entry) {
+        read_initial_velocity(entry, fem.initial_velocity.emplace_back(), fem, info);
     });
     reader.tables("contact",
                   [&](TableReader& entry) { read_contact(entry, fem.contact.emplace_back()); });

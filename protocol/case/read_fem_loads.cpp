@@ -11,6 +11,22 @@ namespace undertow {
 
 namespace {
 
+void read_set_or_body(TableReader& reader, std::string& set, std::string& rigid,
+                      const FemSettings& fem) {
+    std::vector<std::string> bodies;
+    for (const FemRigid& body : fem.rigid) bodies.push_back(body.name);
+    if (reader.has("rigid")) {
+        if (bodies.empty())
+            reader.reject("rigid", "names a rigid body, but the case has no [[fem.rigid]].");
+        reader.word("rigid", rigid, bodies);
+        if (reader.has("set"))
+            reader.reject("set", "is one thing too many: give set or rigid, not both.");
+    } else {
+        reader.text("rigid", rigid);  // known, for what finish() says
+        read_set(reader, set, fem, block_sets);
+    }
+}
+
 /// velocity, displacement or motion; `angle`.
 void read_law(TableReader& reader, FemMotion& motion) {
     reader.vector("velocity", motion.velocity, "m/s");
@@ -92,18 +108,7 @@ void read_fem_motion(TableReader& reader, FemMotion& motion, const FemSettings& 
                      const CaseInfo& info) {
     reader.require("name", "a word for its columns");
     reader.text("name", motion.name);
-    std::vector<std::string> bodies;
-    for (const FemRigid& body : fem.rigid) bodies.push_back(body.name);
-    if (reader.has("rigid")) {
-        if (bodies.empty())
-            reader.reject("rigid", "names a rigid body, but the case has no [[fem.rigid]].");
-        reader.word("rigid", motion.rigid, bodies);
-        if (reader.has("set"))
-            reader.reject("set", "is one thing too many: give set or rigid, not both.");
-    } else {
-        reader.text("rigid", motion.rigid);  // known, for what finish() says
-        read_set(reader, motion.set, fem, block_sets);
-    }
+    read_set_or_body(reader, motion.set, motion.rigid, fem);
     read_law(reader, motion);
     check_one_law(reader, motion);
     check_start(reader, motion);
@@ -111,6 +116,30 @@ void read_fem_motion(TableReader& reader, FemMotion& motion, const FemSettings& 
     check_plane(reader, motion, info);
     if (reader.has("directions") && motion.angle)
         reader.reject("directions", "has no effect with angle, which tells all directions.");
+}
+
+void read_initial_velocity(TableReader& reader, FemInitialVelocity& given, const FemSettings& fem,
+                           const CaseInfo& info) {
+    read_set_or_body(reader, given.set, given.rigid, fem);
+    reader.vector("velocity", given.velocity, given.formulas, "xyz", "m/s");
+    reader.vector("spin", given.spin, "rad/s");
+    reader.vector("center", given.center, "m");
+    given.has_center = reader.has("center");
+    if (!reader.has("velocity") && !reader.has("spin"))
+        reader.reject("velocity", "is missing: give velocity (numbers, or formulas of x, y and z) or "
+                                  "spin, an angular velocity.");
+    if (!given.rigid.empty() && !given.formulas.empty())
+        reader.reject("velocity", "is not allowed: a rigid body moves as one; give numbers, and spin "
+                                  "if it turns.");
+    if (given.has_center && !reader.has("spin"))
+        reader.reject("center", "has no effect without spin.");
+    if (given.rigid.empty() && reader.has("spin"))
+        reader.require("center", "the point in m that spin is about");
+    if (info.dimension != 2) return;
+    if (given.velocity[1] != 0 || (!given.formulas.empty() && given.formulas[1].text() != "0"))
+        reader.reject("velocity", "is not allowed: a 2D case lies in the x-z plane, so y must be 0.");
+    if (given.spin[0] != 0 || given.spin[2] != 0)
+        reader.reject("spin", "is not allowed: in a 2D case things turn about y, [0, w, 0].");
 }
 
 void read_fem_history(TableReader& reader, FemHistory& history, const FemSettings& fem) {

@@ -9,6 +9,8 @@ import numpy as np
 TOP = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(TOP / "scripts"))
 
+from undertow_tool.verify import slip_lines
+
 
 def report_of(folder):
     spec = importlib.util.spec_from_file_location(f"report_of_{pathlib.Path(folder).name}", TOP / "cases" / folder / "report.py")
@@ -51,6 +53,34 @@ class LockExchange(unittest.TestCase):
         found = [self.lock.dense_front(ratio) for ratio in (0.9, 0.6, 0.3)]
         self.assertTrue(found[0][0] > found[1][0] > found[2][0])
         self.assertTrue(found[0][1] < found[1][1] < found[2][1])
+
+
+class SlipLines(unittest.TestCase):
+    def test_constant_strength_is_prandtl(self):
+        for load in (slip_lines.smooth_load, slip_lines.rough_load):
+            self.assertAlmostEqual(load(0.0, 10), 2 + np.pi, places=12)
+            value, doubt = slip_lines.converged(load, 1e-3, 10)      # and as the limit of little growth
+            self.assertAlmostEqual(value, 2 + np.pi, delta=3e-3)
+            self.assertLess(doubt, 1e-4)
+
+    def test_a_step_is_of_second_order(self):
+        for load in (slip_lines.smooth_load, slip_lines.rough_load):
+            coarse, middle, fine = (load(1.0, steps) for steps in (10, 20, 40))
+            self.assertAlmostEqual((coarse - middle) / (middle - fine), 4, delta=0.8)
+
+    def test_strength_that_begins_at_nothing_bears_a_quarter_of_that_of_the_width(self):
+        # Davis and Booker 1973: q = k B/4 under a smooth footing without s_0; here steps are of first order
+        coarse, fine = (slip_lines.smooth_load(1e6, steps) / 0.25e6 for steps in (40, 80))
+        self.assertTrue(coarse > fine > 1)
+        self.assertAlmostEqual(2 * fine - coarse, 1, delta=0.06)
+
+    def test_mechanisms_bear_more(self):
+        # upper bound of Hill's and Prandtl's mechanisms, whose depths are B/2 sqrt 2 and B sqrt 2 over 2
+        for ratio in (0.5, 1.0, 4.0):
+            smooth, rough = slip_lines.smooth_load(ratio, 20), slip_lines.rough_load(ratio, 20)
+            self.assertLess(smooth, 2 + np.pi + ratio)
+            self.assertLess(rough, min(2 + np.pi + 2 * ratio, 3 + np.pi + ratio))
+            self.assertLess(smooth, rough)
 
 
 class WaveMaker(unittest.TestCase):

@@ -2,6 +2,8 @@
 import json
 import unittest
 
+import h5py
+
 from scenes import Restart
 
 
@@ -27,6 +29,30 @@ class Structure(Restart):
         whole = self.check("structure.toml", "--with", "implicit", every=2.7e-3)
         figures = json.loads((whole.out / "summary.fem.json").read_text())["implicit"]
         self.assertGreater(figures["assemblies"], 2)
+
+    def test_stiffness_damping(self):
+        whole = self.check("structure.toml", "--with", "damped", every=5.3e-4)
+        self.assertGreater(whole.column("energy.fem.csv", "damping")[-1],
+                           1.1 * self.new("structure.toml").go().column("energy.fem.csv", "damping")[-1])
+
+    def test_tetrahedra_that_dilate_from_a_stress_at_rest(self):
+        self.assert_flows(self.check("structure.toml", "--with", "sand", every=5.3e-4))
+
+    def test_rigid_shells_on_clay_whose_strength_grows_with_depth(self):
+        for options in ((), ("--with", "b_bar")):
+            whole = self.check("plate.toml", *options, every=3.1e-3)
+            self.assert_flows(whole)
+            self.assertGreater(whole.column("fem.history.sole.csv", "slipping")[-1], 0)
+            with h5py.File(whole.out / "fem.vtkhdf") as fields:
+                found = []
+                fields.visit(lambda name: found.append(name) if name.endswith("strength") else None)
+                self.assertTrue(found)
+
+    def test_thrown_with_a_spin(self):
+        whole = self.check("structure.toml", "--with", "thrown", every=5.3e-4)
+        energy = whole.column("energy.fem.csv", "given at the start")
+        self.assertGreater(energy[0], 0)
+        self.assertEqual(energy[0], energy[-1])
 
     def test_two_threads(self):
         self.check("structure.toml", "--with", "many", every=7.7e-5)

@@ -15,15 +15,24 @@ def course(run):
     return -history["footing.uz"], -history["motion footing.fz"] / (area * strength)
 
 
+def limit(settlement, load):
+    """(load, slope [1/m]) of the straight line through the last half of the course, at no settlement."""
+    half = len(load) // 2
+    slope, at_first = np.polyfit(settlement[half:], load[half:], 1)
+    return float(at_first), float(slope)
+
+
 def exact(case):
     return ROUGH if any(support["set"] == "footing" for support in case["fem"]["support"]) else SMOOTH
 
 
 def report(results_dir, case, summary):
     run = MeasuredStructure(results_dir, case, summary)
-    load = course(run)[1]
-    run.compare("limit load", float(np.mean(load[-20:])), exact(case))
-    run.tell("rise over the last half", float(load[-1] / load[len(load) // 2] - 1), "1")
+    load, slope = limit(*course(run))
+    run.compare("limit load", load, exact(case))
+    run.tell("rise per radius of settlement", slope * RADIUS / load, "1")
+    energy = run.history("energy.fem")
+    run.tell("hourglass over plastic energy", float(energy["hourglass"][-1] / energy["plastic"][-1]), "1")
     return run.rows
 
 

@@ -14,12 +14,18 @@ def course(run):
     return -history["footing.uz"], -history["motion footing.fz"] / (width * DEPTH * strength)
 
 
+def limit(settlement, load):
+    """(load, slope [1/m]) of the straight line through the last half of the course, at no settlement."""
+    half = len(load) // 2
+    slope, at_first = np.polyfit(settlement[half:], load[half:], 1)
+    return float(at_first), float(slope)
+
+
 def report(results_dir, case, summary):
     run = MeasuredStructure(results_dir, case, summary)
-    settlement, load = course(run)
-    run.compare("limit load", float(np.mean(load[-20:])), 2 + np.pi)
-    half = len(load) // 2
-    run.tell("rise over the last half", float(load[-1] / load[half] - 1), "1")
+    load, slope = limit(*course(run))
+    run.compare("limit load", load, 2 + np.pi)
+    run.tell("rise per half width of settlement", slope * HALF / load, "1")
     return run.rows
 
 

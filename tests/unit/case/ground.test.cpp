@@ -169,6 +169,70 @@ TEST_CASE("a Mohr-Coulomb material is read, and one that cannot be is refused") 
                Catch::Contains("no effect") && Catch::Contains("mohr_coulomb"));
 }
 
+TEST_CASE("a strength that grows with depth is read, and one that cannot be is refused") {
+    const auto soil = [](const std::string& lines, const std::string& stiffness) {
+        std::string text = case_text::with(plate, "poisson_ratio = 0.3\n",
+                                           "poisson_ratio = 0.3\n" + lines);
+        const std::size_t at = text.find("young_modulus");
+        return text.replace(at, text.find('\n', at) - at, stiffness);
+    };
+    const std::string E = "young_modulus = 5e6", tresca = "kind = \"tresca\"\n";
+    const std::string clay = tresca + "shear_strength = 5e3\n";
+    const std::string depth = "strength_gradient = 1.2e3\nstrength_level = -20\n";
+    const FemMaterial m = read(soil(clay + depth, "modulus_ratio = 500")).fem.material[0];
+    REQUIRE(m.strength_gradient);
+    CHECK(*m.strength_gradient == 1.2e3);
+    CHECK(m.strength_level == -20);
+    CHECK(m.modulus_ratio == 500);
+    CHECK(m.young_modulus == 2.5e6);  // of the strength at the level
+    CHECK(read(soil(clay, "modulus_ratio = 300")).fem.material[0].young_modulus == 1.5e6);
+    CHECK(mistake(soil(tresca + "shear_strength = 0\n" + depth, E)).empty());
+    CHECK(mistake(soil("kind = \"mohr_coulomb\"\ncohesion = 0\nfriction_angle = 0\n" + depth, E))
+              .empty());
+    CHECK_THAT(mistake(soil(tresca + "shear_strength = 0\n", E)), Catch::Contains("> 0 Pa"));
+    CHECK_THAT(mistake(soil(clay + "strength_gradient = 1e3\n", E)),
+               Catch::Contains("strength_level"));
+    CHECK_THAT(mistake(soil(clay + "strength_level = 0\n", E)),
+               Catch::Contains("no effect without strength_gradient"));
+    CHECK_THAT(mistake(soil(depth, E)),
+               Catch::Contains("no effect") && Catch::Contains("mohr_coulomb"));
+    CHECK_THAT(mistake(soil(clay, "poisson_ration = 1")), Catch::Contains("poisson_ration"));
+    CHECK_THAT(mistake(soil(clay + "modulus_ratio = 500\n", E)),
+               Catch::Contains("one stiffness too many"));
+    CHECK_THAT(mistake(soil("modulus_ratio = 500\n", E)),
+               Catch::Contains("no effect") && Catch::Contains("tresca"));
+    CHECK_THAT(mistake(soil(clay, "")), Catch::Contains("young_modulus") &&
+                                            Catch::Contains("or modulus_ratio"));
+    const std::string contact = "[[fem.contact]]\nname = \"a\"\nnodes = \"xmin\"\nsurface = "
+                                "\"xmax\"\ngap = 0.1\nadhesion_factor = 0.5\n";
+    CHECK(read(plate + contact).fem.contact[0].adhesion_factor == 0.5);
+    CHECK_THAT(mistake(plate + contact + "max_shear = 1e3\n"),
+               Catch::Contains("one limit too many"));
+}
+
+TEST_CASE("initial velocities are read, and mistakes told") {
+    const std::string start = plate + "[[fem.initial_velocity]]\nset = \"block\"\n";
+    const Case c = read(start + "velocity = [0, \"2*x\", 1]\nspin = [0, 0, 3]\ncenter = [1, 0, 0]\n");
+    const FemInitialVelocity& given = c.fem.initial_velocity[0];
+    REQUIRE(given.formulas.size() == 3);
+    CHECK(given.formulas[1](2, 0, 0) == 4);
+    CHECK(given.spin[2] == 3);
+    CHECK(given.has_center);
+    CHECK_THAT(mistake(start), Catch::Contains("give velocity") && Catch::Contains("or spin"));
+    CHECK_THAT(mistake(start + "spin = [0, 0, 3]\n"), Catch::Contains("center"));
+    CHECK_THAT(mistake(start + "velocity = [1, 0, 0]\ncenter = [0, 0, 0]\n"),
+               Catch::Contains("no effect without spin"));
+    CHECK_THAT(mistake(start + "velocity = [1, 0, 0]\nrigid = \"b\"\n"),
+               Catch::Contains("[[fem.rigid]]"));
+    CHECK_THAT(mistake(start + "velocity = [\"2*w\", 0, 0]\n"), Catch::Contains("velocity"));
+    const std::string body = plate + "[[fem.rigid]]\nname = \"b\"\nset = \"block\"\n"
+                                     "[[fem.initial_velocity]]\nrigid = \"b\"\n";
+    CHECK(mistake(body + "velocity = [1, 0, 0]\nspin = [0, 1, 0]\n").empty());
+    CHECK_THAT(mistake(body + "velocity = [\"x\", 0, 0]\n"), Catch::Contains("moves as one"));
+    CHECK_THAT(mistake(body + "velocity = [1, 0, 0]\nset = \"block\"\n"),
+               Catch::Contains("one thing too many"));
+}
+
 TEST_CASE("mistakes in bodies and gauges are told") {
     const std::string body = plate + "[[sph.body]]\nname = \"b\"\n";
     CHECK_THAT(mistake(body), Catch::Contains("has no box") && Catch::Contains("an stl file"));

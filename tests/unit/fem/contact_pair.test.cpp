@@ -370,6 +370,47 @@ TEST_CASE("a skirt is pulled out by mu sigma_n A, and max_shear caps it") {
     CHECK(pair.friction_work() > 0);
 }
 
+TEST_CASE("adhesion is a share of the soil's own strength at the depth of each facet") {
+    constexpr double alpha = 0.4, su = 2e3, gradient = 5e3;
+    RoundSkirt scene(0.328);
+    scene.c.fem.contact[0].adhesion_factor = alpha;
+    CHECK_THROWS_WITH(build_model(scene.c, scene.mesh),
+                      Catch::Contains("adhesion_factor") && Catch::Contains("not of kind"));
+    const FemPart& ground = *std::find_if(
+        scene.c.fem.part.begin(), scene.c.fem.part.end(),
+        [&](const FemPart& part) { return part.set != scene.c.fem.rigid[0].set; });
+    FemMaterial& clay = *std::find_if(scene.c.fem.material.begin(), scene.c.fem.material.end(),
+                                      [&](const auto& m) { return m.name == ground.material; });
+    clay.kind = MaterialKind::tresca;
+    clay.shear_strength = su;
+    clay.strength_gradient = gradient;
+    const Model model = build_model(scene.c, scene.mesh);
+    const ContactSet& set = model.contacts[0];
+    double sum = 0, exact = 0;
+    for (double f : set.max_friction) sum += f;
+    for (const Quad& q : model.mesh.facets_of(scene.c.fem.contact[0].nodes, "test")) {
+        // flat facets, so their centers say the integral of a linear strength
+        double z = 0, a[3], b[3];
+        for (std::int32_t n : q) z += 0.25 * model.mesh.x[n][2];
+        for (int d = 0; d < 3; ++d) {
+            a[d] = model.mesh.x[q[2]][d] - model.mesh.x[q[0]][d];
+            b[d] = model.mesh.x[q[3]][d] - model.mesh.x[q[1]][d];
+        }
+        const double area = 0.5 * std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                                             a[0] * b[1] - a[1] * b[0]);
+        exact += alpha * (su + gradient * std::max(0.0, -z)) * area;
+    }
+    CHECK(sum == Approx(exact).epsilon(1e-12));
+    CHECK(set.max_friction.size() == set.nodes.size());
+    // the deeper, the more of it per area
+    std::size_t top = 0, bottom = 0;
+    for (std::size_t i = 0; i < set.nodes.size(); ++i) {
+        if (model.mesh.x[set.nodes[i]][2] > model.mesh.x[set.nodes[top]][2]) top = i;
+        if (model.mesh.x[set.nodes[i]][2] < model.mesh.x[set.nodes[bottom]][2]) bottom = i;
+    }
+    CHECK(set.max_friction[bottom] / set.area[bottom] > set.max_friction[top] / set.area[top]);
+}
+
 TEST_CASE("contact forces have the same bits for one and two threads") {
     RoundSkirt scene(0.328);
     scene.c.info.gravity = {0, 0, -9.81};
