@@ -152,7 +152,7 @@ TEST_CASE("a contact's history is its normal force, its friction and how many no
     add_block(mesh, "block", {{-0.2, -0.2, 0}, {0.2, 0.2, 0.2}}, {2, 2, 1});
     c.fem.part = {{"floor", "steel"}, {"block", "soil"}};
     c.fem.rigid = {{"floor", "floor", {}, 0, {}}};
-    c.fem.contact = {{"sole", "block.zmin", "floor.zmax", 0.3, 0, 0.01}};
+    c.fem.contact = {{"sole", "block.zmin", "floor.zmax", 0.3, 0, 0, 0.01}};
     FemHistory sole;
     sole.name = "sole";
     sole.kind = FemHistoryKind::contact;
