@@ -3,6 +3,7 @@
 // compiles them for its kernel, and nothing else is compiled with it.
 
 #include "fem_solver/elements/batched_group.hpp"
+#include "fem_solver/elements/fetch_ahead.hpp"
 #include "fem_solver/elements/lane_report.hpp"
 
 namespace undertow::fem {
@@ -20,6 +21,23 @@ UNDERTOW_KERNEL void gather_step(const NodeRows& x_rows, const NodeRows& v_rows,
         for (int corner = 0; corner < n_corners; ++corner) dx[i][corner] *= dt;
 }
 
+/// The same, with requests for records ahead between the gathers.
+template <int n_corners, class... Records>
+UNDERTOW_KERNEL void gather_step(const NodeRows& x_rows, const NodeRows& v_rows, double dt,
+                                 const std::int32_t (&node)[n_corners][n_lanes],
+                                 Lanes (&x)[3][n_corners], Lanes (&dx)[3][n_corners],
+                                 const RecordsAhead<Records...>& ahead) {
+#pragma GCC unroll 8
+    for (int corner = 0; corner < n_corners; ++corner) {
+        gather(x_rows.data(), node[corner], x[0][corner], x[1][corner], x[2][corner]);
+        ahead.ask(2 * corner, 2 * n_corners);
+        gather(v_rows.data(), node[corner], dx[0][corner], dx[1][corner], dx[2][corner]);
+        ahead.ask(2 * corner + 1, 2 * n_corners);
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) dx[i][corner] *= dt;
+    }
+}
+
 template <int n_corners, class Constants, class State>
 template <class Kernel, class Law>
 ElementsReport BatchedGroup<n_corners, Constants, State>::step_chunk(const Chunk& chunk,
@@ -32,7 +50,13 @@ ElementsReport BatchedGroup<n_corners, Constants, State>::step_chunk(const Chunk
     for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
         const auto& batch = batches_[b];
         Lanes x[3][n_corners], dx[3][n_corners], f[3][n_corners];
-        gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
+        if (worth_fetching && batches_.fetches_ahead()) {
+            ask_for_nodes(batches_, std::size_t(b), nodes);
+            gather_step(nodes.x, nodes.v, dt, batch.node, x, dx,
+                        RecordsAhead(std::size_t(b), batches_.batches(), constants_, state_, omega2_));
+        } else {
+            gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
+        }
         ElementReport<Lanes> report;
         Lanes* plastic_strain = nullptr;
         if constexpr (Law::plastic) plastic_strain = &plastic_strain_[b * strain_points_];
