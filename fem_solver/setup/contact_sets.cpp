@@ -88,21 +88,21 @@ struct Soil {
     }
 };
 
-/// [Pa] adhesion_factor s_u behind a facet, at the facet's own height.
+/// [Pa] adhesion_factor s_u behind a facet, at the facet's own height; element -1: of a shell.
 double adhesion(const FemContact& contact, const Mesh& mesh, const Soil& soil, const Quad& facet,
                 std::int32_t element) {
-    const Part& part = soil.parts[soil.part[element]];
     const std::span<const std::int32_t> corners = corners_of(facet);
     double z = 0;
     for (std::int32_t n : corners) z += mesh.x[n][2] / double(corners.size());
-    const Material law = law_at(part.material, z);
-    const Tresca* clay = std::get_if<Tresca>(&law);
-    if (!clay)
-        throw InputError("fem.contact \"" + contact.name +
-                         "\": adhesion_factor is a share of the shear strength of the soil, but part \"" +
-                         part.name + "\" behind nodes = \"" + contact.nodes +
-                         "\" is not of kind = \"tresca\"; give max_shear instead.");
-    return contact.adhesion_factor * clay->shear_strength;
+    if (element >= 0) {
+        const Material law = law_at(soil.parts[soil.part[element]].material, z);
+        if (const Tresca* clay = std::get_if<Tresca>(&law))
+            return contact.adhesion_factor * clay->shear_strength;
+    }
+    throw InputError("fem.contact \"" + contact.name +
+                     "\": adhesion_factor is a share of the shear strength of the soil, but the "
+                     "material behind nodes = \"" + contact.nodes + "\" at " + point_text(mesh.x[facet[0]]) +
+                     " is not of kind = \"tresca\"; give max_shear instead.");
 }
 
 int body_of_surface(const FemContact& contact, const Mesh& mesh, const std::vector<Quad>& facets,
@@ -212,13 +212,7 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
     }
     set.area.resize(set.nodes.size());
     set.stiffness.resize(set.nodes.size());
-    if (contact.adhesion_factor > 0) {
-        if (shell_nodes)
-            throw InputError(name + ": adhesion_factor is a share of the shear strength of soil, but "
-                                    "nodes = \"" + contact.nodes +
-                             "\" are of shells; give max_shear instead.");
-        set.max_friction.resize(set.nodes.size());
-    }
+    if (contact.adhesion_factor > 0) set.max_friction.resize(set.nodes.size());
     const Backers backers(mesh, facets);
     for (const Quad& q : facets) {
         const auto shell = shells.find(sorted_facet(q));
@@ -233,20 +227,20 @@ ContactSet make_contact_set(const FemContact& contact, const Mesh& mesh,
         // a shell's springs yield a tenth of what its thickness would
         const double depth = shell == shells.end() ? depth_of(mesh, q, mesh.corners(e))
                                                    : shell->second;
-        const double E = shell == shells.end() ? soil.modulus[e] : shell_modulus.at(sorted_facet(q));
+        const double E =
+            shell == shells.end() ? soil.modulus[e] : shell_modulus.at(sorted_facet(q));
+        const double shear =
+            contact.adhesion_factor > 0
+                ? adhesion(contact, mesh, soil, q, shell == shells.end() ? e : -1)
+                : 0;
         for (std::int32_t n : corners) {
             const auto [from, to] = std::equal_range(set.nodes.begin(), set.nodes.end(), n);
             for (auto i = from; i < to; ++i) {
                 set.area[std::size_t(i - set.nodes.begin())] += share;
                 set.stiffness[std::size_t(i - set.nodes.begin())] += E * share / depth;
+                if (contact.adhesion_factor > 0)
+                    set.max_friction[std::size_t(i - set.nodes.begin())] += shear * share;
             }
-        }
-        if (contact.adhesion_factor > 0) {
-            const double shear = adhesion(contact, mesh, soil, q, e);
-            for (std::int32_t n : corners)
-                set.max_friction[std::size_t(
-                    std::lower_bound(set.nodes.begin(), set.nodes.end(), n) - set.nodes.begin())] +=
-                    shear * share;
         }
     }
     if (contact.max_shear > 0)
@@ -282,8 +276,8 @@ std::vector<ContactSet> make_contact_sets(const Case& c, const Mesh& mesh,
         shell_modulus[sorted_facet({n[0], n[1], n[2], n[3]})] = soil.modulus[e];
     }
     for (const FemContact& contact : c.fem.contact)
-        sets.push_back(
-            make_contact_set(contact, mesh, bodies, faces, body_of_node, soil, shells, shell_modulus));
+        sets.push_back(make_contact_set(contact, mesh, bodies, faces, body_of_node, soil, shells,
+                                        shell_modulus));
     return sets;
 }
 
