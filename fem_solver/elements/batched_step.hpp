@@ -8,6 +8,18 @@
 
 namespace undertow::fem {
 
+/// A kernel, and whether memory is asked for what batches ahead need: two loops, so that small meshes
+/// run the code, rounded as it is, that they would run without.
+template <class Kernel, bool ahead>
+struct StepKernel {
+    static constexpr bool fetches_ahead = ahead;
+    const Kernel& kernel;
+    template <class... Arguments>
+    UNDERTOW_KERNEL void operator()(Arguments&&... arguments) const {
+        kernel(arguments...);
+    }
+};
+
 /// Positions and displacements of the step, dx = dt v, of a batch's corners.
 template <int n_corners>
 UNDERTOW_KERNEL void gather_step(const NodeRows& x_rows, const NodeRows& v_rows, double dt,
@@ -50,10 +62,11 @@ ElementsReport BatchedGroup<n_corners, Constants, State>::step_chunk(const Chunk
     for (std::int32_t b = chunk.begin; b < chunk.end; ++b) {
         const auto& batch = batches_[b];
         Lanes x[3][n_corners], dx[3][n_corners], f[3][n_corners];
-        if (worth_fetching && batches_.fetches_ahead()) {
+        if constexpr (Kernel::fetches_ahead) {
             ask_for_nodes(batches_, std::size_t(b), nodes);
-            gather_step(nodes.x, nodes.v, dt, batch.node, x, dx,
-                        RecordsAhead(std::size_t(b), batches_.batches(), constants_, state_, omega2_));
+            const RecordsAhead ahead(std::size_t(b), batches_.batches(), constants_, state_,
+                                     omega2_);
+            gather_step(nodes.x, nodes.v, dt, batch.node, x, dx, ahead);
         } else {
             gather_step(nodes.x, nodes.v, dt, batch.node, x, dx);
         }
@@ -79,11 +92,16 @@ template <class Kernel>
 ElementsReport BatchedGroup<n_corners, Constants, State>::step_all(Nodes& nodes, double dt,
                                                                    int threads,
                                                                    const Kernel& kernel) {
-    return batches_.sweep(threads, [&](const Chunk& chunk) {
-        return std::visit(
-            [&](const auto& law) { return step_chunk(chunk, nodes, dt, law, kernel); },
-            parts_[batches_[chunk.begin].part].material);
-    });
+    const auto sweep = [&](const auto& with) {
+        return batches_.sweep(threads, [&](const Chunk& chunk) {
+            return std::visit(
+                [&](const auto& law) { return step_chunk(chunk, nodes, dt, law, with); },
+                parts_[batches_[chunk.begin].part].material);
+        });
+    };
+    if constexpr (worth_fetching)
+        if (batches_.fetches_ahead()) return sweep(StepKernel<Kernel, true>{kernel});
+    return sweep(StepKernel<Kernel, false>{kernel});
 }
 
 template <int n_corners, class Constants, class State>
