@@ -22,6 +22,10 @@ constexpr double narrowest_opening = 2;
 void doubt_sound_speed(const Case& input, const FluidSystem& fluid,
                        std::vector<std::string>& doubts) {
     const Particles& p = fluid.particles;
+    if (p.size() == 0) return;
+    const auto [low, high] = std::minmax_element(p.z.begin(), p.z.end());
+    // far beyond its range the equation of state cannot bear the weight that the fluid has
+    const double g_height = std::abs(input.info.gravity[2]) * (*high - *low);  // [m2/s2]
     for (std::size_t f = 0; f < fluid.fluids().size(); ++f) {
         const FluidLaw& law = fluid.fluid(static_cast<int>(f));
         double most = 0;  // [Pa]
@@ -34,7 +38,7 @@ void doubt_sound_speed(const Case& input, const FluidSystem& fluid,
             "{:.3g} Pa, compresses it by about {:.2g} %, where 1 % is weakly compressible. Give it "
             "sound_speed = {:.2g} m/s or more, or leave sound_speed and sph.max_speed out (\"auto\").",
             input.sph.fluid[f].name, law.c0, most, 100 * compression,
-            std::sqrt(100 * most / law.rho0));
+            std::sqrt(100 * std::max(most / law.rho0, g_height)));
         if (compression > hopeless_compression)
             throw InputError(fmt::format("{}: {}", input.file, sentence));
         doubts.push_back(sentence);
