@@ -20,9 +20,11 @@ double weight_share(const Part& part);
 template <int n_corners, class Constants, class State>
 class BatchedGroup : public ElementGroup {
  public:
-    BatchedGroup(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity)
+    BatchedGroup(const Mesh& mesh, const std::vector<Part>& parts, const BulkViscosity& viscosity,
+                 ElementOrder order_of_large)
         : parts_(parts),
-          batches_(mesh, parts),
+          batches_(mesh, parts, order_of_large,
+                   worth_fetching ? Fetch::ahead : Fetch::by_the_processor),
           constants_(batches_.size()),
           state_(batches_.size(), State{}),
           omega2_(batches_.size()) {
@@ -67,7 +69,7 @@ class BatchedGroup : public ElementGroup {
             strain[e] = sum / double(points);
         });
     }
-    int colors() const { return batches_.colors(); }
+    const Batches<n_corners>& batches() const { return batches_; }
     void archive(Archive& a) override {
         a.flat<double>("state", state_);
         a.flat<double>("plastic_strain", plastic_strain_);
@@ -81,6 +83,10 @@ class BatchedGroup : public ElementGroup {
     }
 
  protected:
+    // [bytes] An 8-point element computes so long on its larger state that memory is hardly waited
+    // for, and requests ahead cost more than that.
+    static constexpr bool worth_fetching = sizeof(State) <= 2048;
+
     /// Figures of an element that all kinds have alike; omega2 is its bound at the start.
     void set_constants(std::size_t b, int lane, double mass, double omega2) {
         constants_[b].mass[lane] = mass;

@@ -1,70 +1,114 @@
 #include "fem_solver/elements/batches.hpp"
 
 #include "fem_solver/elements/coloring.hpp"
+#include "fem_solver/elements/lumps.hpp"
 
 namespace undertow::fem {
+namespace {
+
+// 512 elements: their nodes and state stay in a 1 MB second-level cache, and a large mesh has enough
+// chunks to share
+constexpr std::size_t elements_per_chunk = 512;
+// From here on a mesh comes from memory in every step. Below, the order of the mesh is as good.
+constexpr std::size_t large_mesh = 16384;
+// Chunks. Colors follow each other within a window, so that the nodes of its chunks stay in the
+// third-level cache until the last of them is through; a color of it holds a dozen chunks to share.
+constexpr std::size_t window = 128;
+
+}  // namespace
 
 template <int n_corners>
-Batches<n_corners>::Batches(const Mesh& mesh, const std::vector<Part>& parts) {
-    // 512 elements: their nodes and state stay in a 1 MB second-level cache, and a color holds
-    // enough chunks to share
-    constexpr std::int32_t batches_per_chunk = 64;
-    slot_of_.assign(mesh.n_elements(), -1);
+Batches<n_corners>::Batches(const Mesh& mesh, const std::vector<Part>& parts,
+                            ElementOrder order_of_large, Fetch fetch_of_large) {
+    for (const Part& part : parts) elements_ += part.elements.size();
+    const bool large = elements_ >= large_mesh;
+    std::vector<Group> groups;
     for (std::size_t p = 0; p < parts.size(); ++p) {
-        const std::vector<std::int32_t>& elements = parts[p].elements;
-        elements_ += elements.size();
-        const std::int32_t first_batch = std::int32_t(batch_.size());
-        for (std::size_t e = 0; e < elements.size(); e += n_lanes) {
-            Batch batch;
-            batch.part = int(p);
-            batch.valid = int(std::min<std::size_t>(n_lanes, elements.size() - e));
-            for (int l = 0; l < n_lanes; ++l) {
-                const std::int32_t element = elements[e + std::min(l, batch.valid - 1)];
-                const std::span<const std::int32_t> corners = mesh.corners(element);
-                for (int corner = 0; corner < n_corners; ++corner)
-                    batch.node[corner][l] = corners[corner];
-                if (l < batch.valid) slot_of_[element] = std::int32_t(batch_.size()) * n_lanes + l;
-                element_at_.push_back(element);
-            }
-            batch_.push_back(batch);
-        }
-        const std::int32_t last_batch = std::int32_t(batch_.size());
-        for (std::int32_t b = first_batch; b < last_batch; b += batches_per_chunk)
-            chunk_.push_back({b, std::min(b + batches_per_chunk, last_batch)});
+        const std::vector<std::int32_t> elements =
+            large && order_of_large == ElementOrder::lumps
+                ? in_lumps(mesh, parts[p].elements, elements_per_chunk)
+                : parts[p].elements;
+        for (std::size_t e = 0; e < elements.size(); e += elements_per_chunk)
+            groups.push_back(
+                {int(p), {elements.begin() + std::ptrdiff_t(e),
+                          elements.begin() + std::ptrdiff_t(std::min(e + elements_per_chunk,
+                                                                     elements.size()))}});
     }
-    color_chunks(mesh.x.size());
+    put_in_order(mesh, groups, large ? window : groups.size());
+    for (const Group& group : groups) add_chunk(mesh, group);
+    slot_of_.assign(mesh.n_elements(), -1);
+    for (std::size_t b = 0; b < batch_.size(); ++b)
+        for (int l = 0; l < batch_[b].valid; ++l)
+            slot_of_[element_at_[b * n_lanes + l]] = std::int32_t(b) * n_lanes + l;
+    if (large && fetch_of_large == Fetch::ahead) list_new_nodes(mesh.x.size());
+    chunk_report_.resize(chunk_.size());
 }
 
 template <int n_corners>
-void Batches<n_corners>::color_chunks(std::size_t n_nodes) {
-    std::vector<std::vector<std::int32_t>> nodes_of_chunk;
-    for (const Chunk& chunk : chunk_) {
+void Batches<n_corners>::put_in_order(const Mesh& mesh, std::vector<Group>& groups,
+                                      std::size_t chunks_per_window) {
+    std::vector<std::vector<std::int32_t>> nodes_of_group;
+    for (const Group& group : groups) {
         std::vector<std::int32_t> nodes;
-        for (std::int32_t b = chunk.begin; b < chunk.end; ++b)
-            nodes.insert(nodes.end(), &batch_[b].node[0][0],
-                         &batch_[b].node[0][0] + n_corners * n_lanes);
-        nodes_of_chunk.push_back(std::move(nodes));
+        for (std::int32_t e : group.elements)
+            nodes.insert(nodes.end(), mesh.corners(e).begin(), mesh.corners(e).end());
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        nodes_of_group.push_back(std::move(nodes));
     }
-    const Coloring coloring = color_by_nodes(nodes_of_chunk, n_nodes);
-    std::vector<Chunk> sorted;
-    for (std::int32_t c : coloring.order) sorted.push_back(chunk_[c]);
-    chunk_ = std::move(sorted);
-    color_begin_ = coloring.begin;
-    chunk_report_.resize(chunk_.size());
+    const Coloring coloring = color_by_nodes(nodes_of_group, mesh.x.size(), chunks_per_window);
+    std::vector<Group> sorted;
+    std::vector<std::vector<std::int32_t>> nodes_of_sorted;
+    for (std::int32_t g : coloring.order) {
+        sorted.push_back(std::move(groups[g]));
+        nodes_of_sorted.push_back(std::move(nodes_of_group[g]));
+    }
+    groups = std::move(sorted);
+    queue_ = ChunkQueue(nodes_of_sorted, mesh.x.size());
+}
+
+template <int n_corners>
+void Batches<n_corners>::add_chunk(const Mesh& mesh, const Group& group) {
+    const std::vector<std::int32_t>& elements = group.elements;
+    const std::int32_t first_batch = std::int32_t(batch_.size());
+    for (std::size_t e = 0; e < elements.size(); e += n_lanes) {
+        Batch batch;
+        batch.part = group.part;
+        batch.valid = int(std::min<std::size_t>(n_lanes, elements.size() - e));
+        for (int l = 0; l < n_lanes; ++l) {
+            const std::int32_t element = elements[e + std::min(l, batch.valid - 1)];
+            const std::span<const std::int32_t> corners = mesh.corners(element);
+            for (int corner = 0; corner < n_corners; ++corner)
+                batch.node[corner][l] = corners[corner];
+            element_at_.push_back(element);
+        }
+        batch_.push_back(batch);
+    }
+    chunk_.push_back({first_batch, std::int32_t(batch_.size())});
+}
+
+template <int n_corners>
+void Batches<n_corners>::list_new_nodes(std::size_t n_nodes) {
+    new_begin_ = {0};
+    std::vector<std::int32_t> last_chunk(n_nodes, -1);
+    for (std::size_t c = 0; c < chunk_.size(); ++c)
+        for (std::int32_t b = chunk_[c].begin; b < chunk_[c].end; ++b) {
+            for (int corner = 0; corner < n_corners; ++corner)
+                for (int l = 0; l < n_lanes; ++l) {
+                    const std::int32_t n = batch_[b].node[corner][l];
+                    if (last_chunk[n] == std::int32_t(c)) continue;
+                    last_chunk[n] = std::int32_t(c);
+                    new_node_.push_back(n);
+                }
+            new_begin_.push_back(std::int32_t(new_node_.size()));
+        }
 }
 
 template <int n_corners>
 ElementsReport Batches<n_corners>::sweep_chunks(
     int threads, const std::function<ElementsReport(const Chunk&)>& step_chunk) {
-    for (std::size_t color = 0; color + 1 < color_begin_.size(); ++color) {
-        const std::int32_t begin = color_begin_[color], end = color_begin_[color + 1];
-        if (threads > 1 && end - begin > 1) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-            for (std::int32_t c = begin; c < end; ++c) chunk_report_[c] = step_chunk(chunk_[c]);
-        } else {
-            for (std::int32_t c = begin; c < end; ++c) chunk_report_[c] = step_chunk(chunk_[c]);
-        }
-    }
+    const auto step = [&](std::int32_t c) { chunk_report_[c] = step_chunk(chunk_[c]); };
+    queue_.run(threads, std::ref(step));
     ElementsReport total;
     for (const ElementsReport& r : chunk_report_) total += r;
     return total;

@@ -16,7 +16,7 @@ void modes_of(At&& at, Modes<double> (&modes)[3]) {
 
 BbarHexahedra::BbarHexahedra(const Mesh& mesh, const std::vector<Part>& parts,
                              const BulkViscosity& viscosity)
-    : BatchedGroup(mesh, parts, viscosity) {
+    : BatchedGroup(mesh, parts, viscosity, ElementOrder::of_the_mesh) {
     for (std::size_t b = 0; b < batches_.size(); ++b)
         for (int l = 0; l < n_lanes; ++l) {
             const Hexahedron& nodes = mesh.hexahedra[batches_.element(b, l)];

@@ -5,7 +5,7 @@
 namespace undertow::fem {
 
 Coloring color_by_nodes(const std::vector<std::vector<std::int32_t>>& nodes_of_group,
-                        std::size_t n_nodes) {
+                        std::size_t n_nodes, std::size_t window) {
     const std::size_t n_groups = nodes_of_group.size();
     std::vector<std::vector<std::int32_t>> groups_at(n_nodes);
     for (std::size_t g = 0; g < n_groups; ++g)
@@ -27,10 +27,13 @@ Coloring color_by_nodes(const std::vector<std::vector<std::int32_t>>& nodes_of_g
     }
 
     Coloring out;
-    for (std::int32_t c = 0; c < n_colors; ++c) {
-        out.begin.push_back(std::int32_t(out.order.size()));
-        for (std::size_t g = 0; g < n_groups; ++g)
-            if (color[g] == c) out.order.push_back(std::int32_t(g));
+    for (std::size_t first = 0; first < n_groups; first += std::min(window, n_groups - first)) {
+        const std::size_t last = first + std::min(window, n_groups - first);
+        for (std::int32_t c = 0; c < n_colors; ++c) {
+            out.begin.push_back(std::int32_t(out.order.size()));
+            for (std::size_t g = first; g < last; ++g)
+                if (color[g] == c) out.order.push_back(std::int32_t(g));
+        }
     }
     out.begin.push_back(std::int32_t(out.order.size()));
     return out;

@@ -24,7 +24,7 @@ struct Shape {
 
 Hexahedra::Hexahedra(const Mesh& mesh, const std::vector<Part>& parts,
                      const BulkViscosity& viscosity)
-    : BatchedGroup(mesh, parts, viscosity) {
+    : BatchedGroup(mesh, parts, viscosity, ElementOrder::lumps) {
     for (std::size_t b = 0; b < batches_.size(); ++b)
         for (int l = 0; l < n_lanes; ++l) {
             const Hexahedron& nodes = mesh.hexahedra[batches_.element(b, l)];

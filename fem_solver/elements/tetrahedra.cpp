@@ -25,7 +25,7 @@ double cofactors_of(At&& at, double (&c)[3][3]) {
 
 Tetrahedra::Tetrahedra(const Mesh& mesh, const std::vector<Part>& parts,
                        const BulkViscosity& viscosity)
-    : BatchedGroup(mesh, parts, viscosity) {
+    : BatchedGroup(mesh, parts, viscosity, ElementOrder::of_the_mesh) {
     for (std::size_t b = 0; b < batches_.size(); ++b)
         for (int l = 0; l < n_lanes; ++l) {
             const std::span<const std::int32_t> nodes = mesh.corners(batches_.element(b, l));

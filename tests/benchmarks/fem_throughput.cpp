@@ -3,7 +3,8 @@
 // Mohr-Coulomb that stay elastic, and with every element flowing in every step. Inner nodes moved by a tenth of an
 // element. Then the whole step of implicit parts at twenty times the elements' own step: plates one
 // element thick, and a cube.
-//   bench_fem_throughput [--json | --shells | --materials]
+//   bench_fem_throughput [--json | --large | --shells | --materials]
+// --large: 262,144 one-point hexahedra, in the order of the mesh and shuffled, memory per element.
 // Shells: elastic, and J2 at five points through the thickness.
 // Targets: 15 M element-steps/s on one core at 64,000 elements, 20 us per step for 240 elements; 5 M
 // for the 8-point hexahedron.
@@ -15,8 +16,12 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <random>
 #include <thread>
 
+#include <sys/resource.h>
+
+#include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/structure.hpp"
 
 using namespace undertow;
@@ -32,6 +37,20 @@ double cpu_clock() {  // of this thread: what other programs take does not count
     timespec t;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+/// [bytes] most that the process has held.
+double peak_memory() {
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * double(usage.ru_maxrss);
+}
+/// Prints the figures of `elements`, the largest mesh so far; start and search of the frequency
+/// included.
+double print_memory(double elements) {
+    const double bytes = peak_memory() / elements;
+    std::fprintf(stderr, "%8.0f elements: %.0f bytes of memory each\n", elements, bytes);
+    return bytes;
 }
 
 enum class Law {
@@ -83,8 +102,10 @@ struct Kind {
     const char* name;
     ElementFormulation element = ElementFormulation::automatic;
     BlockCells cells = BlockCells::hexahedra;
+    bool shuffled = false;  // elements in no order at all, the worst that a mesh file can be
 };
 const Kind one_point{""};
+const Kind shuffled{", in no order", ElementFormulation::automatic, BlockCells::hexahedra, true};
 const Kind eight_point{", 8 points", ElementFormulation::b_bar};
 const Kind tetrahedra{", tetrahedra", ElementFormulation::averaged_pressure,
                       BlockCells::tetrahedra};
@@ -101,7 +122,13 @@ Model make_model(const std::array<int, 3>& divisions, Law law, const Kind& kind)
     give_law(c.fem.material[0], law);
     c.fem.part = {{"block", "steel", kind.element}};
     c.fem.support = {{"zmin", {"x", "y", "z"}}};
-    Model model = build_model(c);
+    Mesh mesh = make_block(*c.fem.block);
+    if (kind.shuffled) {
+        std::mt19937 random(3);
+        std::shuffle(mesh.hexahedra.begin(), mesh.hexahedra.end(), random);
+    }
+    c.fem.block.reset();
+    Model model = build_model(c, std::move(mesh));
     for (std::size_t n = 0; n < model.mesh.x.size(); ++n)
         for (int d = 0; d < 3; ++d)
             model.mesh.x[n][d] += 0.0005 * std::sin(12.9898 * double(n) + 78.233 * d);
@@ -292,6 +319,13 @@ int main(int argc, char** argv) {
             print_shells(200, section);
         return 0;
     }
+    if (argc > 1 && std::strcmp(argv[1], "--large") == 0) {
+        const double one = print({64, 64, 64}, 1);
+        print_memory(64.0 * 64 * 64);
+        print({64, 64, 64}, 1, Law::elastic, shuffled);
+        std::fprintf(stderr, "two threads: %.2f times\n", print({64, 64, 64}, 2) / one);
+        return 0;
+    }
     print({12, 1, 20}, 1);  // a wall
     print({20, 20, 20}, 1);
     const double rate = print({40, 40, 40}, 1);
@@ -305,6 +339,7 @@ int main(int argc, char** argv) {
     const double four_tresca = print(small, 1, Law::tresca_elastic, tetrahedra);
     const double four_flowing = print(small, 1, Law::tresca_flowing, tetrahedra);
     const double large = print({64, 64, 64}, 1);
+    const double bytes = print_memory(64.0 * 64 * 64);
     const double shell = print_shells(200, Section::elastic);
     const double layered = print_shells(200, Section::layered);
     const double shell_flowing = print_shells(200, Section::flowing);
@@ -323,10 +358,11 @@ int main(int argc, char** argv) {
             "\"fem.hex8_bbar_tresca\": %.4g, \"fem.hex8_bbar_tresca_flowing\": %.4g, "
             "\"fem.tet4\": %.4g, \"fem.tet4_tresca\": %.4g, \"fem.tet4_tresca_flowing\": %.4g, "
             "\"fem.shell4\": %.4g, \"fem.shell4_j2\": %.4g, \"fem.shell4_j2_flowing\": %.4g, "
+            "\"fem.hex1_large\": %.4g, \"fem.bytes_per_element\": %.4g, "
             "\"fem.two_thread_speedup\": %.3f, "
             "\"fem.implicit_us_per_step.1000\": %.4g, \"fem.implicit_us_per_step.5000\": %.4g, "
             "\"fem.implicit_us_per_step.20000\": %.4g, \"fem.implicit_us_per_step.50000\": %.4g}\n",
             rate, tresca, flowing, eight, eight_tresca, eight_flowing, four, four_tresca,
-            four_flowing, shell, layered, shell_flowing, two / large, implicit[0],
+            four_flowing, shell, layered, shell_flowing, large, bytes, two / large, implicit[0],
             implicit[1], implicit[2], implicit[3]);
 }

@@ -151,7 +151,9 @@ TEST_CASE("one and two threads give the same bits") {
     c.info.gravity = {0, 0, -9.81};
     c.fem.support = {{"zmin", {"x", "y", "z"}}};
     Structure one(build_model(c), 1), two(build_model(c), 2);
-    CHECK(dynamic_cast<const Hexahedra&>(*two.elements().groups()[0]).colors() > 1);
+    const auto& batches = dynamic_cast<const Hexahedra&>(*two.elements().groups()[0]).batches();
+    CHECK(batches.chunks() > 1);
+    CHECK_FALSE(batches.queue().before(batches.chunks() - 1).empty());
     const double dt = one.stable_step().dt;
     march(one, dt, 20);
     march(two, dt, 20);

@@ -1,0 +1,114 @@
+// How elements are laid out and shared among threads: lumps, colors within windows, the queue.
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "fem_solver/elements/chunk_queue.hpp"
+#include "fem_solver/elements/coloring.hpp"
+#include "fem_solver/elements/lumps.hpp"
+#include "fem_solver/setup/block_mesh.hpp"
+#include "support.hpp"
+
+namespace undertow::fem {
+namespace {
+
+using Groups = std::vector<std::vector<std::int32_t>>;
+
+Groups random_groups(std::size_t groups, int nodes, int nodes_of_group) {
+    std::mt19937 random(5);
+    Groups all(groups);
+    for (auto& group : all)
+        for (int k = 0; k < nodes_of_group; ++k) group.push_back(std::int32_t(random() % nodes));
+    return all;
+}
+
+double nodes_per_element(const Mesh& mesh, const std::vector<std::int32_t>& elements,
+                         std::size_t size) {
+    std::size_t sum = 0;
+    for (std::size_t first = 0; first < elements.size(); first += size) {
+        std::set<std::int32_t> nodes;
+        for (std::size_t i = first; i < std::min(first + size, elements.size()); ++i)
+            nodes.insert(mesh.corners(elements[i]).begin(), mesh.corners(elements[i]).end());
+        sum += nodes.size();
+    }
+    return double(sum) / double(elements.size());
+}
+
+TEST_CASE("lumps hold all elements once and touch few nodes, whatever the order of the mesh") {
+    const std::array<int, 3> divisions =
+        GENERATE(std::array{32, 32, 32}, std::array{40, 24, 20}, std::array{100, 90, 2});
+    const double thin = GENERATE(1.0, 0.1);  // elements ten times as wide as high
+    Mesh mesh = make_block(
+        FemBlock{{{0, 0, 0}, {double(divisions[0]), double(divisions[1]), thin * divisions[2]}},
+                 divisions,
+                 {},
+                 BlockCells::hexahedra});
+    std::mt19937 random(7);
+    std::shuffle(mesh.hexahedra.begin(), mesh.hexahedra.end(), random);
+    std::vector<std::int32_t> elements(mesh.hexahedra.size());
+    for (std::size_t e = 0; e < elements.size(); ++e) elements[e] = std::int32_t(e);
+
+    const std::vector<std::int32_t> order = in_lumps(mesh, elements, 512);
+    std::vector<std::int32_t> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    CHECK(sorted == elements);
+    CHECK(order == in_lumps(mesh, elements, 512));
+    // a cube of 8 x 8 x 8 has (9/8)^3 = 1.42; a plate two high 3/2 (17/16)^2 = 1.69
+    const double touched = nodes_per_element(mesh, order, 512);
+    INFO(divisions[0] << " x " << divisions[1] << " x " << divisions[2] << ", " << touched);
+    CHECK(touched < (divisions[2] == 2 ? 1.8 : 1.65));
+    if (divisions[0] == 32) CHECK(touched == 729.0 / 512);
+    CHECK(nodes_per_element(mesh, elements, 512) > 4);
+}
+
+TEST_CASE("colors follow each other within windows, and a window of all groups is no window") {
+    const Groups groups = random_groups(60, 90, 4);
+    const Coloring all = color_by_nodes(groups, 90), same = color_by_nodes(groups, 90, 60),
+                   windows = color_by_nodes(groups, 90, 16);
+    CHECK(all.order == same.order);
+    CHECK(all.begin == same.begin);
+    for (std::size_t i = 0; i < windows.order.size(); ++i)
+        CHECK(std::size_t(windows.order[i]) / 16 == i / 16);
+    for (std::size_t c = 0; c + 1 < windows.begin.size(); ++c) {
+        std::vector<int> owner(90, -1);
+        for (std::int32_t i = windows.begin[c]; i < windows.begin[c + 1]; ++i)
+            for (std::int32_t n : groups[windows.order[i]]) {
+                CHECK((owner[n] == -1 || owner[n] == windows.order[i]));
+                owner[n] = windows.order[i];
+            }
+    }
+}
+
+TEST_CASE("groups that share a node run one after the other, in the order of the queue") {
+    const int n_nodes = GENERATE(40, 4000);  // nearly all share a node; few do
+    const Groups groups = random_groups(400, n_nodes, 5);
+    ChunkQueue queue(groups, std::size_t(n_nodes));
+    std::vector<std::vector<std::int32_t>> seen(n_nodes);
+    std::atomic<int> running{0}, most{0};
+    for (int sweep = 0; sweep < 3; ++sweep) {
+        for (auto& order : seen) order.clear();
+        queue.run(4, [&](std::int32_t g) {
+            most = std::max(int(most), ++running);
+            // no lock: the queue keeps others off these nodes, or bits and sizes come out wrong
+            for (std::int32_t n : groups[g]) seen[n].push_back(g);
+            if (g % 7 == 0) std::this_thread::yield();
+            --running;
+        });
+        std::size_t count = 0;
+        for (const auto& order : seen) {
+            CHECK(std::is_sorted(order.begin(), order.end()));
+            count += order.size();
+        }
+        CHECK(count == 400u * 5);
+    }
+    CHECK(most >= 1);
+    CHECK(most <= 4);
+    CHECK(queue.before(0).empty());
+    if (n_nodes == 40) CHECK(queue.before(399).size() > 100);
+}
+
+}  // namespace
+}  // namespace undertow::fem
