@@ -113,8 +113,6 @@ struct ContactPair::State {
     }
 
     double sight() const { return set.near > 0 ? set.near : sight_in_gaps * set.gap; }  // [m]
-    /// [m] from the flat facets, before which a round surface stands by its bulge
-    double seen_at_rest() const { return near_in_gaps * set.gap + surface.largest_bulge(); }
     double skin() const { return sight() - near_in_gaps * set.gap; }
     void gather(const Nodes& nodes);
     void widen(double dt);
@@ -171,7 +169,7 @@ void ContactPair::State::widen(double dt) {
     of_surface = std::sqrt(of_surface);
     for (std::size_t i = 0; i < toucher.size(); ++i) {
         const double behind = toucher[i].has_touch ? -toucher[i].touch.distance : 0;
-        radius[i] = seen_at_rest() + std::max(0.0, behind) +
+        radius[i] = near_in_gaps * set.gap + std::max(0.0, behind) +
                     2 * dt * (std::sqrt(speed2(&v[3 * i])) + of_surface);
         radius[i] = std::max(radius[i], least_radius);
     }
@@ -207,7 +205,7 @@ void ContactPair::State::find_start(const Nodes& nodes) {
     const std::size_t n = set.nodes.size();
     mass.resize(n);
     for (std::size_t i = 0; i < n; ++i) mass[i] = nodes.mass[set.nodes[i]];
-    radius.assign(n, seen_at_rest());
+    radius.assign(n, near_in_gaps * set.gap);
     first.resize(n);
     last.resize(n);
     gather(nodes);
@@ -287,7 +285,7 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     const bool touches = !out_of_reach && find_touch(i) && t.touch.distance < t.reach;
     if (!touches) {
         t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
-        if (!t.has_touch && last[i] > first[i])  // over a rim, which it has not climbed
+        if (!t.has_touch)  // over a rim, which it has not climbed
             t.slipped += std::pow(t.normal_force - t.damping_force, 2) / t.k / 2;
         t.has_touch = false;
         t.normal_force = t.damping_force = 0;
@@ -352,7 +350,7 @@ void ContactPair::balance(const NodeRows& load) {
         if (push > 0) t.reach += push / t.k;
         most = std::max(most, t.reach);
     }
-    s.least_radius = std::max(s.seen_at_rest(), most + s.surface.largest_bulge());
+    s.least_radius = std::max(near_in_gaps * s.set.gap, most);
     std::fill(s.radius.begin(), s.radius.end(), s.least_radius);
     s.search();
 }
