@@ -150,7 +150,7 @@ void Coupler::resume() {
                          std::to_string(from_->step) + ": the files are of different sets.");
     step_.last = t_ >= input_.time.end;
     resumed_ = true;
-    progress_.kept("checkpoints/" + from_->id, t_);
+    progress_.kept("checkpoints/" + from_->id, t_, written_at(options_.resume));
     log_info("resumed from " + path + " at step " + std::to_string(n_) +
              ", t = " + number_text(t_) + " s");
 }

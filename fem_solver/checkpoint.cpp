@@ -46,7 +46,7 @@ void Solver::resume(const std::string& set) {
         throw InputError(path + " is of step " + std::to_string(n_) + ", its manifest of step " +
                          std::to_string(manifest.step) + ": the files are of different sets.");
     resumed_ = true;
-    line_.kept("checkpoints/" + manifest.id, t_);
+    line_.kept("checkpoints/" + manifest.id, t_, written_at(set));
     log_info("resumed from " + path + " at step " + std::to_string(n_) +
              ", t = " + number_text(t_) + " s");
 }

@@ -178,7 +178,7 @@ int run(const Case& input, const SolverOptions& options) {
         if (!options.resume.empty()) {
             checkpoints.resume(options.resume);
             start -= figures.wall;
-            progress.kept("checkpoints/" + checkpoint_id(n), t);
+            progress.kept("checkpoints/" + checkpoint_id(n), t, written_at(options.resume));
             summed = true;
         }
         for (;; ++n) {

@@ -1,5 +1,7 @@
 #include "checkpoint/checkpoint_set.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -87,6 +89,11 @@ Manifest read_manifest(const std::string& folder) {
                          "); resume from another set.");
     }
     return manifest;
+}
+
+std::int64_t written_at(const std::string& folder) {
+    struct stat status {};
+    return ::stat(manifest_path(folder).c_str(), &status) == 0 ? std::int64_t(status.st_mtime) : 0;
 }
 
 std::string checked_file(const std::string& folder, const Manifest& manifest,

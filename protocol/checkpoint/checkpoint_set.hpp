@@ -28,6 +28,8 @@ std::string checkpoint_folder(const std::string& results, const std::string& id)
 void write_manifest(const std::string& folder, const Manifest& manifest);
 /// InputError when there is none, or when it cannot be understood.
 Manifest read_manifest(const std::string& folder);
+/// When the set was finished [s since 1970]; 0 where it cannot be told.
+std::int64_t written_at(const std::string& folder);
 /// Path of the file of `who` in the set. InputError when the manifest does not know it, or its
 /// bytes are not those that were written. All are read: the pulse is called meanwhile.
 std::string checked_file(const std::string& folder, const Manifest& manifest,

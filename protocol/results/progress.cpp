@@ -107,10 +107,10 @@ void ProgressLine::update_now(const ProgressFigures& figures) {
     show(figures, wall_clock(), !quiet_ && terminal_, !status_file_.empty());
 }
 
-void ProgressLine::kept(std::string folder, double t) {
+void ProgressLine::kept(std::string folder, double t, std::int64_t written_at) {
     kept_ = std::move(folder);
     kept_t_ = t;
-    kept_at_ = std::time(nullptr);
+    kept_at_ = written_at > 0 ? written_at : std::time(nullptr);
 }
 
 void ProgressLine::show(const ProgressFigures& figures, double now, bool line, bool status) {

@@ -31,8 +31,9 @@ class ProgressLine {
     void update(const ProgressFigures& figures);
     /// In any case: before something that takes long.
     void update_now(const ProgressFigures& figures);
-    /// The last checkpoint: its folder within the results, its time [s]. Shown from now on.
-    void kept(std::string folder, double t);
+    /// The last checkpoint: its folder within the results, its time [s], and when it was written
+    /// [s since 1970; 0: now]. Shown from now on.
+    void kept(std::string folder, double t, std::int64_t written_at = 0);
     /// Ends the line, so that the next output starts on its own.
     void finish(const ProgressFigures& figures);
 

@@ -1,6 +1,7 @@
 """Sets of checkpoints: when they are written, what is refused by name, what goes, what a full disk
 leaves. With fem_solver alone, which is quick; test_trio.py has the three programs."""
 import json
+import os
 import re
 import resource
 import shutil
@@ -88,6 +89,16 @@ class Sets(Restart):
         killed.wait()
         run.resume(run.sets()[-1])
         whole.must_equal(run)
+
+    def test_the_status_tells_the_age_of_the_set_that_a_run_was_resumed_from(self):
+        run = self.cut()
+        folder = run.sets()[-1]
+        an_hour_ago = int(time.time()) - 3600
+        os.utime(folder / "manifest.json", (an_hour_ago, an_hour_ago))
+        run.resume(folder)
+        kept = json.loads((run.out / "status.json").read_text())["checkpoint"]
+        self.assertEqual(kept["folder"], f"checkpoints/{folder.name}")
+        self.assertEqual(kept["written_at"], an_hour_ago)
 
     # ------------------------------------------------------------ what is refused
 
