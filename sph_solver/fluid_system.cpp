@@ -131,8 +131,9 @@ void FluidSystem::sum_under_even_pressure() {
 /// Whether the lists still hold every pair; may pack the records to find out.
 bool FluidSystem::lists_hold() {
     if (sizes_.outgrown()) return false;
-    const bool images = surface_.placed();
-    if (images && reach_ > along_surface * spacing_) return false;
+    if (cut_anew_) return false;
+    const bool by_surface = surface_.placed() || plates_.any();
+    if (by_surface && reach_ > along_surface * spacing_) return false;
     // who passes an opening is noticed at the next rebuild only, and shifts are found there
     if ((openings_.any() || !shift_.empty()) && 2 * reach_ > neighbors_.skin()) return false;
     // a body shows each particle what its surface is next to it, which is found at rebuilds as well
@@ -168,7 +169,9 @@ bool FluidSystem::refresh_neighbors(double t) {
     put_back_ += near_walls_.put_back(particles, bodies, periodic(), travelled_ + bodies_travelled_,
                                       support() + neighbors_.skin());
     remove_outside();
-    neighbors_.rebuild(particles, bodies, mirror_, sizes_.used() ? &sizes_ : nullptr);
+    neighbors_.rebuild(particles, bodies, mirror_, sizes_.used() ? &sizes_ : nullptr,
+                       plates_.any() ? &plates_ : nullptr);
+    cut_anew_ = false;
     if (sizes_.variable()) sizes_.cap(neighbors_);
     if (physics_.mixed())
         neighbors_.find_fluids(particles, sizes_.used() ? FluidBits(~FluidBits(0)) : FluidBits(0));
@@ -257,6 +260,9 @@ void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<doub
         throw InputError(
             "sph.gradient_correction = true does not know the images behind a coupled surface: set "
             "sph.surface_images = false, or leave the correction out.");
+    const bool cut = neighbors_.fluid_lists().cut();
+    plates_.place(quad, x, support(), spacing_);
+    cut_anew_ = cut_anew_ || cut || neighbors_.would_cut(plates_, mirror_);
     if (with_surface_images_) surface_.place(std::move(quad), std::move(x));
 }
 
@@ -407,13 +413,13 @@ double FluidSystem::mean_neighbors() const {
     const auto h_of = [&](int j) { return each.empty() ? h : each[j] / neighbors_.fixed().unit; };
     std::int64_t pairs = 0;
     for (int i = 0; i < neighbors_.fluid_count(); ++i)
-        for (const int* at = lists.begin(i / lanes); at != lists.end(i / lanes); ++at) {
-            const double dx = double(records[i].x) - records[*at].x,
-                         dy = double(records[i].y) - records[*at].y,
-                         dz = double(records[i].z) - records[*at].z;
-            const double r = h_of(i) + h_of(*at);
-            pairs += *at != i && dx * dx + dy * dy + dz * dz < r * r;
-        }
+        lists.for_each_seen(i, [&](int j) {
+            const double dx = double(records[i].x) - records[j].x,
+                         dy = double(records[i].y) - records[j].y,
+                         dz = double(records[i].z) - records[j].z;
+            const double r = h_of(i) + h_of(j);
+            pairs += j != i && dx * dx + dy * dy + dz * dz < r * r;
+        });
     return neighbors_.fluid_count() ? double(pairs) / neighbors_.fluid_count() : 0;
 }
 

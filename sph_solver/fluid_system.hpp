@@ -13,6 +13,7 @@
 #include "sph_solver/boundary/near_walls.hpp"
 #include "sph_solver/boundary/openings.hpp"
 #include "sph_solver/boundary/surface_images.hpp"
+#include "sph_solver/boundary/thin_plates.hpp"
 #include "sph_solver/neighbors/neighborhood.hpp"
 #include "sph_solver/particles.hpp"
 #include "sph_solver/physics/implicit_viscosity.hpp"
@@ -98,8 +99,8 @@ class FluidSystem {
     /// Index of a particle by identity, -1 if it was removed.
     int index_of(std::int64_t id) const { return index_[id]; }
 
-    /// Where the coupled surface is, see SurfaceImages::place; without effect when the case switches
-    /// its images off.
+    /// Where the coupled surface is, see ThinPlates::place and, unless the case switches its images
+    /// off, SurfaceImages::place.
     void place_surface(std::vector<std::int32_t> quad, std::vector<double> x);
 
     /// Where particle i (sorted index) touches the coupled surface [m] and the velocity of that point
@@ -138,6 +139,7 @@ class FluidSystem {
     /// Force of each fluid on each plane, then on each body, shear included [N], [walls, fluids].
     std::vector<Vec3> wall_forces() const;
     const SurfaceImages& surface() const { return surface_; }
+    const ThinPlates& plates() const { return plates_; }
     std::int64_t put_back() const { return put_back_ + openings_.put_back(); }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included
@@ -181,6 +183,8 @@ class FluidSystem {
     NoSlipImages no_slip_;
     SurfaceImages surface_;
     bool with_surface_images_;
+    ThinPlates plates_;
+    bool cut_anew_ = false;         // plates have moved since lists were cut, or would cut some
     std::optional<Box> domain_;
     std::optional<Start> start_;
     Openings openings_;

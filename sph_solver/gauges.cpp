@@ -23,6 +23,9 @@ PointValue interpolate_with(const KernelLaw& kernel, const FluidSystem& fluid, c
         const double dx = origin[0] + q.x * unit - point[0], dy = origin[1] + q.y * unit - point[1],
                      dz = origin[2] + q.z * unit - point[2];
         double r = std::sqrt(dx * dx + dy * dy + dz * dz), w = q.volume;
+        if (fluid.plates().any() &&
+            fluid.plates().between(point, {point[0] + dx, point[1] + dy, point[2] + dz}))
+            return;
         if (!near.smoothing().empty()) {   // W of the record's own length
             const double nearer = fluid.physics().h / near.smoothing()[j];
             r *= nearer, w *= std::pow(nearer, fluid.physics().dimension);
@@ -40,12 +43,13 @@ bool has_neighbor(const FluidSystem& fluid, std::size_t i) {
     const double r2 = fluid.support() * fluid.support();
     const int own = static_cast<int>(i), count = fluid.neighbors().fluid_count();
     const ClusterLists& lists = fluid.neighbors().fluid_lists();
-    for (const int* j = lists.begin(own / lanes); j != lists.end(own / lanes); ++j) {
-        if (*j == own || *j >= count) continue;
-        const double dx = p.x[i] - p.x[*j], dy = p.y[i] - p.y[*j], dz = p.z[i] - p.z[*j];
-        if (dx * dx + dy * dy + dz * dz < r2) return true;
-    }
-    return false;
+    bool any = false;
+    lists.for_each_seen(own, [&](int j) {
+        if (any || j == own || j >= count) return;
+        const double dx = p.x[i] - p.x[j], dy = p.y[i] - p.y[j], dz = p.z[i] - p.z[j];
+        any = dx * dx + dy * dy + dz * dz < r2;
+    });
+    return any;
 }
 
 }  // namespace

@@ -66,6 +66,16 @@ inline double8 negative_part(double8 a) {
 }
 #endif
 
+/// Positions of eight with those of them that do not see (bit k) moved by `far`, towards zero so that
+/// fixed-point differences do not overflow. Who was within far/2 of a record is beyond it then.
+template <class Place, class Scalar>
+inline Place hide(Place x, std::uint32_t hidden, Scalar far) {
+    if (hidden)
+        for (int k = 0; k < lanes; ++k)
+            if (hidden >> k & 1) x[k] += x[k] > 0 ? -far : far;
+    return x;
+}
+
 /// NaN is not zero.
 inline bool any_nonzero(float8 a) {
 #if defined(__AVX512VL__)

@@ -74,19 +74,27 @@ void ColumnGrid::archive(Archive& a) {
 void ClusterLists::archive(Archive& a) {
     a("count", count_);
     a("of_first_kind", of_first_kind_);
+    a("part_begin", part_begin_);
+    a.rows("stretch", stretch_, [](Stretch& s) { return std::tie(s.first, s.count, s.hidden); });
+    a("dropped", dropped_);
+    const auto length = [this](int c) {  // with all its parts
+        int n = count_[c];
+        for (int k = 1; k < parts(c); ++k) n += stretch_[part_begin_[c] + k - 1].count;
+        return n;
+    };
     std::vector<int> all;
     if (!a.reading())
-        for (int c = 0; c < clusters(); ++c) all.insert(all.end(), begin(c), end(c));
+        for (int c = 0; c < clusters(); ++c) all.insert(all.end(), begin(c), begin(c) + length(c));
     a("lists", all);
     if (!a.reading()) return;
     all.resize(all.size() + ahead);
     if (buffer_.empty()) buffer_.resize(1);
     buffer_[0] = std::move(all);
     begin_.resize(count_.size());
-    const int* at = buffer_[0].data();
+    int* at = buffer_[0].data();
     for (std::size_t c = 0; c < count_.size(); ++c) {
         begin_[c] = at;
-        at += count_[c];
+        at += length(static_cast<int>(c));
     }
 }
 
@@ -205,6 +213,17 @@ void SurfaceImages::archive(Archive& a) {
     a("stale", stale_);
 }
 
+void ThinPlates::archive(Archive& a) {
+    a("quad", quad_);
+    a("last_x", last_x_);
+    a("support", support_);
+    a("spacing", spacing_);
+    a("thin", thin_);
+    a("rim", rim_);
+    a.rows("facet", facet_, [](Facet& f) { return std::tie(f.x, f.corners, f.rim); });
+    if (a.reading()) fill_cells();
+}
+
 template <class Real>
 void ImplicitUpdate<Real>::archive(Archive& a) {
     a.flat<Real>("before", before_);
@@ -226,6 +245,8 @@ void FluidSystem::archive(Archive& a) {
     a.object("openings", openings_);
     a.object("absorbing", absorbing_);
     a.object("surface", surface_);
+    a.object("plates", plates_);
+    a("cut_anew", cut_anew_);
     if (implicit_) a.object("implicit", *implicit_);
     a("heating", heating_);
     a.rows("near_planes", near_planes_, [](NearPlane& n) { return std::tie(n.particle, n.plane); });

@@ -62,15 +62,15 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
             {bodies.x[d], bodies.y[d], bodies.z[d]});
         const Vec3 g = physics.gravity - a_w;
         Continued sum;
-        for (const int* at = lists.begin(k / lanes); at != lists.end(k / lanes); ++at) {
-            if (*at >= fluid_count && extras[*at - fluid_count].from_body) continue;
-            const Record<Real>& q = records[*at];
+        lists.for_each_seen(k, [&](int record) {
+            if (record >= fluid_count && extras[record - fluid_count].from_body) return;
+            const Record<Real>& q = records[record];
             const auto [dx, dy, dz] = neighbors.apart(at_dummy, q);
             const double r2 = dx * dx + dy * dy + dz * dz;
             // dummies have the size of sph.spacing
             const double nearer =
-                sized ? 2 * physics.h / (physics.h + neighbors.smoothing_in<Real>()[*at]) : 1;
-            if (r2 * nearer * nearer >= 4 * physics.h * physics.h) continue;
+                sized ? 2 * physics.h / (physics.h + neighbors.smoothing_in<Real>()[record]) : 1;
+            if (r2 * nearer * nearer >= 4 * physics.h * physics.h) return;
             // where sizes differ, a weight counts by volume
             const double w = kernel.value(nearer * std::sqrt(r2)) *
                              (sized ? std::pow(nearer, physics.dimension) * q.volume : 1);
@@ -78,18 +78,18 @@ void continue_with(const KernelLaw& kernel, const PairPhysics& physics,
             const std::uint32_t own = mixed ? FluidTag::of(q) : 0;
             sum.share[own] += w;
             if (viscous) {
-                const Real root_mu = neighbors.root_viscosity_in<Real>()[*at];
+                const Real root_mu = neighbors.root_viscosity_in<Real>()[record];
                 sum.viscosity += w * root_mu * root_mu;
             }
             sum.pressure +=
                 w * (q.p + physics.fluids[own].rho0 * (g[0] * dx + g[1] * dy + g[2] * dz));
-            const Vec3 v = shown(*at, neighbors, mirror, reflected);
+            const Vec3 v = shown(record, neighbors, mirror, reflected);
             // the weight of a viscous pair: then the dummy as a whole takes no shear force
             const double f = q.volume * KernelLaw::gradient_factor(r2 * nearer * nearer, 1 / physics.h) *
                              (sized ? std::pow(nearer, physics.dimension + 2) : 1);
             sum.moving += f;
             for (int a = 0; a < 3; ++a) sum.u[a] += f * v[a];
-        }
+        });
         set(bodies, d, sum);
     }
 }

@@ -40,8 +40,12 @@ void NoSlipImages::find(const Neighborhood& neighbors, const MirrorPlanes& mirro
     const ClusterLists& lists = neighbors.fluid_lists();
     begin_.assign(1, 0);
     for (int c = 0; c < lists.clusters(); ++c) {
-        for (const int* at = lists.begin(c); at != lists.end(c); ++at)
-            if (*at >= n && image_of_[*at - n] >= 0) listed_.push_back({*at, image_of_[*at - n]});
+        for (int k = 0; k < lists.parts(c); ++k) {
+            const ClusterLists::Part part = lists.part(c, k);
+            for (const int* at = part.begin; at != part.end; ++at)
+                if (*at >= n && image_of_[*at - n] >= 0)
+                    listed_.push_back({*at, image_of_[*at - n], part.hidden});
+        }
         begin_.push_back(static_cast<int>(listed_.size()));
     }
 }

@@ -65,6 +65,7 @@ class NoSlipImages {
     /// Of a cluster: records of its list that are such images, and their entries of change().
     struct Listed {
         int record, image;
+        std::uint32_t hidden;  // from whom of the eight
     };
     const Listed* begin(int cluster) const { return listed_.data() + begin_[cluster]; }
     const Listed* end(int cluster) const { return listed_.data() + begin_[cluster + 1]; }

@@ -131,34 +131,34 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
     };
     for (int a = 0; a < static_cast<int>(near_.size()); ++a) {
         const Near& i = near_[a];
-        const int own = i.particle, cluster = own / lanes;
+        const int own = i.particle;
         const double s_i = height(i);
-        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
-            const bool mirrored = *at >= n;
-            if (mirrored && extras[*at - n].from_body) continue;
-            const int source = mirrored ? extras[*at - n].source : *at;
+        lists.for_each_seen(own, [&](int record) {
+            const bool mirrored = record >= n;
+            if (mirrored && extras[record - n].from_body) return;
+            const int source = mirrored ? extras[record - n].source : record;
             const int b = source == own && !mirrored ? a : same_wall_of(source, i.normal);
-            if (b < 0 || (!mirrored && b < a)) continue;  // each pair once
+            if (b < 0 || (!mirrored && b < a)) return;  // each pair once
             const Near& j = near_[b];
-            const double d[3] = {double(records[own].x - records[*at].x) * fixed.unit,
-                                 double(records[own].y - records[*at].y) * fixed.unit,
-                                 double(records[own].z - records[*at].z) * fixed.unit};
+            const double d[3] = {double(records[own].x - records[record].x) * fixed.unit,
+                                 double(records[own].y - records[record].y) * fixed.unit,
+                                 double(records[own].z - records[record].z) * fixed.unit};
             if (mirrored) {  // at a plane that crosses the surface, not at one along it
-                const double shift[3] = {(records[source].x - records[*at].x) * fixed.unit,
-                                         (records[source].y - records[*at].y) * fixed.unit,
-                                         (records[source].z - records[*at].z) * fixed.unit};
-                if (std::abs(dot(shift, i.normal)) > 0.1 * std::sqrt(dot(shift, shift))) continue;
+                const double shift[3] = {(records[source].x - records[record].x) * fixed.unit,
+                                         (records[source].y - records[record].y) * fixed.unit,
+                                         (records[source].z - records[record].z) * fixed.unit};
+                if (std::abs(dot(shift, i.normal)) > 0.1 * std::sqrt(dot(shift, shift))) return;
             }
             const double s = s_i + height(j), dn = dot(d, i.normal);
-            if (dot(d, d) - dn * dn + s * s >= reach * reach) continue;
-            Pair pair{a, b, mirrored ? *at : -1, {i.normal[0], i.normal[1], i.normal[2]}, 0};
+            if (dot(d, d) - dn * dn + s * s >= reach * reach) return;
+            Pair pair{a, b, mirrored ? record : -1, {i.normal[0], i.normal[1], i.normal[2]}, 0};
             if (!mirrored) {
                 for (int c = 0; c < 3; ++c) pair.n[c] += j.normal[c];
                 const double length = std::sqrt(dot(pair.n, pair.n));
                 for (double& component : pair.n) component /= length;
             }
             pairs_.push_back(pair);
-        }
+        });
     }
     deal_out_pairs();
 }

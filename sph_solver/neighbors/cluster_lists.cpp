@@ -113,6 +113,9 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
                          const std::vector<SourceCells>& sources, double range,
                          const std::vector<float>* smoothing, double skin) {
     const int clusters = (n + lanes - 1) / lanes, all = static_cast<int>(records.size());
+    part_begin_.clear();
+    stretch_.clear();
+    dropped_ = 0;
     begin_.resize(clusters);
     count_.resize(clusters);
     of_first_kind_.resize(clusters);
@@ -180,7 +183,7 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
                 }
                 count_[c] = static_cast<int>(length - begin);
             }
-            const int* at = list.data();   // only now: resize may have moved it
+            int* at = list.data();   // only now: resize may have moved it
             for (int c = c0; c < c1; ++c) {
                 begin_[c] = at;
                 at += count_[c];
@@ -192,7 +195,40 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
 std::int64_t ClusterLists::entries() const {
     std::int64_t sum = 0;
     for (const int n : count_) sum += n;
+    for (const Stretch& s : stretch_) sum += s.count;
     return sum;
+}
+
+void ClusterLists::hide(const std::vector<std::vector<std::uint8_t>>& from) {
+    part_begin_.assign(1, 0);
+    std::vector<int> list;
+    for (int c = 0; c < clusters(); ++c) {
+        if (const std::vector<std::uint8_t>& hidden = from[c]; !hidden.empty()) {
+            list.assign(begin(c), end(c));
+            const int n = count_[c], first_kind = of_first_kind_[c];
+            int filled = 0;
+            const auto take = [&](std::uint8_t mask) {
+                for (int k = 0; k < n; ++k)
+                    if (hidden[k] == mask) begin_[c][filled++] = list[k];
+            };
+            take(0);
+            count_[c] = filled;
+            of_first_kind_[c] =
+                static_cast<int>(std::count(hidden.begin(), hidden.begin() + first_kind, 0));
+            std::vector<std::uint8_t> masks = hidden;
+            std::sort(masks.begin(), masks.end());
+            masks.erase(std::unique(masks.begin(), masks.end()), masks.end());
+            for (const std::uint8_t mask : masks) {
+                if (mask == 0 || mask == nobody) continue;
+                const int first = filled;
+                take(mask);
+                stretch_.push_back({first, filled - first, mask});
+            }
+            dropped_ += n - filled;
+        }
+        part_begin_.push_back(static_cast<int>(stretch_.size()));
+    }
+    if (!cut()) part_begin_.clear();
 }
 
 }  // namespace undertow::sph

@@ -8,6 +8,7 @@
 
 #include "sph_solver/neighbors/column_grid.hpp"
 #include "sph_solver/particles.hpp"
+#include "sph_solver/simd.hpp"
 
 namespace undertow {
 class Archive;
@@ -40,8 +41,45 @@ class ClusterLists {
     std::int64_t entries() const;
     void archive(Archive& a);
 
+    /// A stretch of a list whose entries some of the eight do not see (bit k: target k), see
+    /// ThinPlates. The first is what begin() to end() holds, which all see; most clusters have no
+    /// other.
+    struct Part {
+        const int *begin, *end;
+        std::uint32_t hidden;
+    };
+    int parts(int c) const {
+        return part_begin_.empty() ? 1 : 1 + part_begin_[c + 1] - part_begin_[c];
+    }
+    Part part(int c, int k) const {
+        if (k == 0) return {begin(c), end(c), 0};
+        const Stretch& s = stretch_[part_begin_[c] + k - 1];
+        return {begin_[c] + s.first, begin_[c] + s.first + s.count, s.hidden};
+    }
+    /// Calls f(record) for all entries that one target sees.
+    template <class F>
+    void for_each_seen(int target, F&& f) const {
+        const int c = target / lanes, lane = target % lanes;
+        for (int k = 0; k < parts(c); ++k) {
+            const Part seen = part(c, k);
+            if (seen.hidden >> lane & 1) continue;
+            for (const int* at = seen.begin; at != seen.end; ++at) f(*at);
+        }
+    }
+    bool cut() const { return !stretch_.empty() || dropped_ > 0; }
+    static constexpr std::uint8_t nobody = 0xff;
+    /// [clusters], each empty or by entry who does not see it; entries that `nobody` sees are dropped.
+    void hide(const std::vector<std::vector<std::uint8_t>>& from);
+
  private:
-    std::vector<const int*> begin_;
+    struct Stretch {
+        int first, count;  // from begin(c)
+        std::uint32_t hidden;
+    };
+    std::vector<int> part_begin_;     // [clusters + 1]; empty unless lists were cut
+    std::vector<Stretch> stretch_;
+    std::int64_t dropped_ = 0;        // entries
+    std::vector<int*> begin_;
     std::vector<int> count_, of_first_kind_;
     std::vector<std::vector<int>> buffer_;   // one per block of clusters; keeps its capacity
     std::vector<float> reach_;               // of all records, where sizes differ [unit]

@@ -29,6 +29,10 @@ class MarkedEntries {
         state_ = State::none;
     }
 
+    /// The word of n entries that are all marked, of `bits` if there are more.
+    static std::uint64_t first(std::ptrdiff_t n) {
+        return n < bits ? (std::uint64_t(1) << n) - 1 : ~std::uint64_t(0);
+    }
     /// One bit for each entry of a cluster's list, the first lowest.
     std::uint64_t* of(int cluster) { return words_.data() + first_[cluster]; }
 
@@ -46,7 +50,7 @@ class MarkedEntries {
         for (int c = 0; c < lists.clusters(); ++c) {
             std::uint64_t* word = of(c);
             for (auto left = lists.end(c) - lists.begin(c); left > 0; left -= bits)
-                *word++ = left < bits ? (std::uint64_t(1) << left) - 1 : ~std::uint64_t(0);
+                *word++ = first(left);
         }
         state_ = State::all;
     }

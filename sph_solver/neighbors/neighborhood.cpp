@@ -177,7 +177,7 @@ void Neighborhood::find_smoothing(const Particles& particles, const SmoothingLen
 }
 
 void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror,
-                           const SmoothingLengths* sizes) {
+                           const SmoothingLengths* sizes, const ThinPlates* plates) {
     fluid_count_ = static_cast<int>(particles.size());
     if (sizes && sizes->variable()) {
         support_ = 2 * SmoothingLengths::room *
@@ -192,6 +192,7 @@ void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const Mir
     const double range = support_ + skin_;
     fluid_lists_.build(grid_, fixed_, records_, 0, fluid_count_,
                        {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
+    if (plates) plates->cut(scene(mirror, 0, fluid_count_), fluid_lists_);
     marked_.lay_out(fluid_lists_);
 
     borders_.clear();
@@ -214,6 +215,8 @@ void Neighborhood::rebuild(Particles& particles, const Bodies& bodies, const Mir
     body_lists_.build(grid_, fixed_, records_, static_cast<int>(records),
                       static_cast<int>(body_targets_.size()),
                       {{&fluid_start_, 0}, {&extra_start_, fluid_count_}}, range, listed, skin_);
+    if (plates)
+        plates->cut(scene(mirror, static_cast<int>(records), int(body_targets_.size())), body_lists_);
     records_.resize(records);   // they were there to be looked at once
 }
 
@@ -236,8 +239,10 @@ void Neighborhood::find_fluids(const Particles& particles, FluidBits dummies) {
             FluidBits held = 0, met = 0;
             const int end = std::min(fluid_count_, (c + 1) * lanes);
             for (int i = c * lanes; i < end; ++i) held |= record_fluid_[i];
-            for (const int* at = fluid_lists_.begin(c); at != fluid_lists_.end(c); ++at)
-                met |= record_fluid_[*at];
+            for (int k = 0; k < fluid_lists_.parts(c); ++k) {
+                const ClusterLists::Part part = fluid_lists_.part(c, k);
+                for (const int* at = part.begin; at != part.end; ++at) met |= record_fluid_[*at];
+            }
             fluids_[c] = {held, FluidBits(held | met)};
         }
     }

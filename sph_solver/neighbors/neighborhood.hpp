@@ -7,6 +7,7 @@
 
 #include "sph_solver/boundary/mirror_planes.hpp"
 #include "sph_solver/boundary/bodies.hpp"
+#include "sph_solver/boundary/thin_plates.hpp"
 #include "sph_solver/neighbors/cluster_lists.hpp"
 #include "sph_solver/neighbors/drift_watch.hpp"
 #include "sph_solver/neighbors/marked_entries.hpp"
@@ -51,9 +52,14 @@ class Neighborhood {
           spacing_(spacing),
           goes_(1.5 * support) {}
 
-    /// Sorts the particles (all arrays), finds the extras, and builds all lists.
+    /// Sorts the particles (all arrays), finds the extras, and builds all lists, without the pairs
+    /// that a plate is between.
     void rebuild(Particles& particles, const Bodies& bodies, const MirrorPlanes& mirror,
-                 const SmoothingLengths* sizes = nullptr);
+                 const SmoothingLengths* sizes = nullptr, const ThinPlates* plates = nullptr);
+    /// Whether plates are between pairs of the lists as they are.
+    bool would_cut(const ThinPlates& plates, const MirrorPlanes& mirror) const {
+        return plates.would_cut(scene(mirror, 0, fluid_count_), fluid_lists_);
+    }
     /// Finds out which fluids each cluster holds and meets; to be called after a rebuild where there
     /// are several. Other clusters run as if their fluid were the only one. dummies: what they count
     /// as, for dummies of another size all fluids.
@@ -144,6 +150,16 @@ class Neighborhood {
         else
             return exact_.gradient_correction;
     }
+    /// How far away who does not see a part of a list is put while it is walked, in the unit of
+    /// the records' positions, see hide().
+    template <class Real>
+    auto out_of_reach() const {
+        const double far = 2.001 * (support_ + skin_) / unit_in<Real>();
+        if constexpr (std::is_same_v<Real, float>)
+            return static_cast<std::int32_t>(far);
+        else
+            return far;
+    }
     /// Unit of the positions in records_in<Real>() [m].
     template <class Real>
     double unit_in() const {
@@ -176,6 +192,9 @@ class Neighborhood {
  private:
     void lay_out_grid(const Particles& particles, const Periodic& periodic, bool with_bodies);
     double image_range(const Periodic& periodic) const;   // [m]
+    ThinPlates::Scene scene(const MirrorPlanes& mirror, int first, int n) const {
+        return {records_, fixed_, extras_, mirror, fluid_count_, support_ + skin_, first, n};
+    }
     void sort(Particles& particles);
     template <class T>
     void reorder(std::vector<T>& array, std::vector<T>& scratch) const;

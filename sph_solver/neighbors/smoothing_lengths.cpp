@@ -31,11 +31,15 @@ bool SmoothingLengths::crowded(const Neighborhood& neighbors) {
             const Packed& q = records[first + k];
             x[k] = q.x, y[k] = q.y, z[k] = q.z, own[k] = h[first + k] * per_unit;
         }
-        for (const int* at = lists.begin(c); at != lists.end(c); ++at) {
-            const Packed& j = records[*at];
-            const float8 dx = to_real(x - j.x), dy = to_real(y - j.y), dz = to_real(z - j.z);
-            const float8 reach = own + h[*at] * per_unit;
-            count += dx * dx + dy * dy + dz * dz < reach * reach ? float8{} + 1.0f : float8{};
+        for (int k = 0; k < lists.parts(c); ++k) {
+            const ClusterLists::Part part = lists.part(c, k);
+            const int8 put = hide(x, part.hidden, neighbors.out_of_reach<float>());
+            for (const int* at = part.begin; at != part.end; ++at) {
+                const Packed& j = records[*at];
+                const float8 dx = to_real(put - j.x), dy = to_real(y - j.y), dz = to_real(z - j.z);
+                const float8 reach = own + h[*at] * per_unit;
+                count += dx * dx + dy * dy + dz * dz < reach * reach ? float8{} + 1.0f : float8{};
+            }
         }
         for (int k = 0; k < members; ++k) {
             const float others = count[k] - 1;

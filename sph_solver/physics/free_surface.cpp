@@ -39,9 +39,9 @@ void find_surface(const KernelLaw& kernel, const PairPhysics& physics, Neighborh
         const Lanes i = load_cluster(records, first, n);
         const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
         float8 lambda{};
-        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+        for_each_entry(neighbors, i, cluster, [&](const int* at, const int8& x) {
             const Packed& j = records[*at];
-            const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+            const float8 dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
             const float8 r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
             if constexpr (sized) {
                 const PairSize<float8> size = own_size.with(*at);
@@ -52,7 +52,7 @@ void find_surface(const KernelLaw& kernel, const PairPhysics& physics, Neighborh
             } else {
                 lambda += KernelLaw::gradient_factor(r2, c.inverse_h) * r2;
             }
-        }
+        });
         for (int lane = 0; lane < lanes; ++lane)
             depth[first + lane] = lambda[lane] < loose   ? Depth::loose
                                   : lambda[lane] < limit ? Depth::surface
@@ -75,17 +75,17 @@ void find_near(const PairPhysics& physics, Neighborhood& neighbors) {
         const Lanes i = load_cluster(records, first, n);
         const OwnSize own_size(physics, sized ? &neighbors.smoothing() : nullptr, first, n);
         float8 closest = float8{} + reach2;
-        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
-            if (*at >= n || surface[*at] < Depth::surface) continue;
+        for_each_entry(neighbors, i, cluster, [&](const int* at, const int8& x) {
+            if (*at >= n || surface[*at] < Depth::surface) return;
             const Packed& j = records[*at];
-            const float8 dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+            const float8 dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
             float8 r2 = dx * dx + dy * dy + dz * dz;
             if constexpr (sized) {
                 const PairSize<float8> size = own_size.with(*at);
                 r2 = r2 * size.nearer2;
             }
             closest = r2 < closest ? r2 : closest;
-        }
+        });
         for (int lane = 0; lane < lanes; ++lane)
             if (depth[first + lane] == Depth::inside && closest[lane] < reach2)
                 depth[first + lane] = Depth::near_surface;

@@ -15,22 +15,21 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, Neighborhood& nei
     const auto c = pair_constants<Real>(physics, physics.fluids[0], unit);
     const auto to_moment = static_cast<Real>(kernel.scale() / physics.lattice_moment * unit * unit);
     const Record<Real>* records = neighbors.records_in<Real>().data();
-    const ClusterLists& lists = neighbors.fluid_lists();
-    const int n = neighbors.fluid_count(), clusters = lists.clusters();
+    const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
     found.resize(std::size_t(clusters) * 6 * lanes);
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
         const auto i = load_cluster(records, cluster * lanes, n);
         Symmetric<Wide> m;
-        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+        for_each_entry(neighbors, i, cluster, [&](const int* at, const auto& x) {
             const Record<Real>& j = records[*at];
-            const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+            const Wide dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
             const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
             const Wide F = KernelLaw::gradient_factor(r2, c.inverse_h) * (j.volume * to_moment);
             const Wide Fx = F * dx, Fy = F * dy, Fz = F * dz;
             m.xx += dx * Fx, m.xy += dx * Fy, m.xz += dx * Fz;
             m.yy += dy * Fy, m.yz += dy * Fz, m.zz += dz * Fz;
-        }
+        });
         const auto inverse = divergence_correction<Real>(m, physics.dimension);
         __builtin_memcpy(&found[std::size_t(cluster) * 6 * lanes], &inverse, sizeof inverse);
     }

@@ -16,8 +16,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
     const bool variable = physics.viscoplastic(), mixed = physics.mixed(), sized = physics.sized();
     const Record<Real>* records = neighbors.records_in<Real>().data();
     const Real* root_mu = variable ? neighbors.root_viscosity_in<Real>().data() : nullptr;
-    const ClusterLists& lists = neighbors.fluid_lists();
-    const int n = neighbors.fluid_count(), clusters = lists.clusters();
+    const int n = neighbors.fluid_count(), clusters = neighbors.fluid_lists().clusters();
     heating.resize(std::size_t(clusters) * lanes);
 #pragma omp parallel for schedule(dynamic, 32)
     for (int cluster = 0; cluster < clusters; ++cluster) {
@@ -28,9 +27,9 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
         const OwnSize<Real> own_size(physics, sized ? &neighbors.smoothing_in<Real>() : nullptr,
                                      first, n);
         Wide shock{}, shear{};
-        for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+        for_each_entry(neighbors, i, cluster, [&](const int* at, const auto& x) {
             const Record<Real>& j = records[*at];
-            const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+            const Wide dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
             const Wide vx = i.own.vx - j.vx, vy = i.own.vy - j.vy, vz = i.own.vz - j.vz;
             const Meeting<Wide>& with = m.with[mixed ? FluidTag::of(j) : 0];
             const Wide r2 = (dx * dx + mixture.constants.tiny) + dy * dy + dz * dz;
@@ -56,7 +55,7 @@ void sum(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood
             } else {
                 shear += F * pair_mu * (vx * vx + vy * vy + vz * vz);
             }
-        }
+        });
         const Wide per_rho = i.volume * m.factors.per_mass;
         const Wide heat =
             Real(0.5) * per_rho * (m.factors.gradient * shock + m.factors.viscous * shear);

@@ -30,6 +30,20 @@ inline Lanes<typename AnyRecord::Real> load_cluster(const AnyRecord* records, in
     return c;
 }
 
+/// Calls f(at, x) for all entries of a cluster's list, x where its lanes stand or, if they do not see
+/// an entry, are put.
+template <class Real, class F>
+inline __attribute__((always_inline)) void for_each_entry(const Neighborhood& neighbors,
+                                                          const Lanes<Real>& i, int cluster, F&& f) {
+    const ClusterLists& lists = neighbors.fluid_lists();
+    const int parts = lists.parts(cluster);
+    for (int k = 0; k < parts; ++k) {
+        const ClusterLists::Part part = lists.part(cluster, k);
+        const auto x = hide(i.x, part.hidden, neighbors.out_of_reach<Real>());
+        for (const int* at = part.begin; at != part.end; ++at) f(at, x);
+    }
+}
+
 /// Inside the fluid a particle under tension is pushed by p_j - p_i = p_j + |p_i| instead of p_j + p_i:
 /// the same gradient, without the pull that makes particles clump.  [Sun, Colagrossi, Marrone, Antuono,
 /// Zhang 2018, Eq. 14]  The two forces of such a pair are not opposite: what is left is
@@ -162,12 +176,15 @@ inline void turn_no_slip_image(const PairConstants<Real>& c, const Lanes<Real>& 
 }
 
 template <class KernelLaw, Content content, ViscousForm form, class Real>
-inline void add_no_slip(const PairConstants<Real>& c, const Lanes<Real>& i,
-                        const NoSlipImages& no_slip, const Record<Real>* records, int cluster,
+inline void add_no_slip(const PairConstants<Real>& c, Lanes<Real> i,
+                        const NoSlipImages& no_slip, const Neighborhood& neighbors, int cluster,
                         const Meeting<Eight<Real>>* with, const Real* root_mu,
                         PairSums<Eight<Real>>& sum, ShearSums<Eight<Real>>* shear = nullptr) {
     constexpr bool variable = variable_viscosity(content);
+    const Record<Real>* records = neighbors.records_in<Real>().data();
+    const auto x = i.x;
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
+        i.x = hide(x, at->hidden, neighbors.out_of_reach<Real>());
         const Real root_mu_j = variable ? root_mu[at->record] : Real(0);
         add_no_slip_image<KernelLaw, content, form>(c, i, no_slip.change<Real>(at->image),
                                                     records[at->record], with, root_mu_j, sum,

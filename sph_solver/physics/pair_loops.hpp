@@ -62,33 +62,46 @@ void take_shear_rate(const PairPhysics& physics, const Neighborhood& neighbors, 
                     shear_rate(shear, gradient, to_moment, physics.dimension), particles);
 }
 
-/// Calls add(j) for the entries of a cluster's list: for rates all, marking those for which it gives
-/// anything but zeros; for forces the marked ones. Records are fetched ahead of their use: those of
-/// 27,000 particles and their walls fill a core's cache, those of more do not fit.
-template <Terms terms, class AnyRecord, class Add>
+/// Calls add(j, x) for the entries of a cluster's list, x where the lanes stand or, if they do not see
+/// it, are put: for rates all, marking those for which it gives anything but zeros; for forces the
+/// marked ones, and all that some do not see. Records are fetched ahead of their use: those of 27,000
+/// particles and their walls fill a core's cache, those of more do not fit.
+template <Terms terms, class AnyRecord, class Place, class Add>
 inline __attribute__((always_inline)) void walk(const Neighborhood& neighbors,
-                                                const AnyRecord* records, int cluster, Add&& add) {
+                                                const AnyRecord* records, int cluster,
+                                                const Place& all_x, Add&& add) {
+    const ClusterLists& lists = neighbors.fluid_lists();
+    Place x = all_x;
     const auto one = [&](const int* at) __attribute__((always_inline)) {
         __builtin_prefetch(records + at[ClusterLists::ahead]);
-        return add(*at);
+        return add(*at, x);
     };
-    const int* at = neighbors.fluid_lists().begin(cluster);
-    const int* end = neighbors.fluid_lists().end(cluster);
-    if constexpr (terms == Terms::both) {
-        for (; at != end; ++at) one(at);
-        return;
-    }
-    std::uint64_t* word = neighbors.marked().of(cluster);
-    for (; at < end; at += MarkedEntries::bits, ++word) {
-        if constexpr (terms == Terms::rate) {
-            const auto n = std::min<std::ptrdiff_t>(MarkedEntries::bits, end - at);
-            std::uint64_t marks = 0;
-            for (int k = 0; k < n; ++k) marks |= std::uint64_t(any_nonzero(one(at + k))) << k;
-            *word = marks;
+    const int* at = lists.begin(cluster);
+    const int* end = lists.end(cluster);
+    std::uint64_t spare = 0, *word = terms == Terms::both ? &spare : neighbors.marked().of(cluster);
+    for (int part = 1;; ++part) {
+        if constexpr (terms == Terms::both) {
+            for (; at != end; ++at) one(at);
         } else {
-            for (std::uint64_t marks = *word; marks; marks &= marks - 1)
-                one(at + std::countr_zero(marks));
+            for (; at < end; at += MarkedEntries::bits) {
+                const auto n = std::min<std::ptrdiff_t>(MarkedEntries::bits, end - at);
+                if constexpr (terms == Terms::rate) {
+                    std::uint64_t marks = 0;
+                    for (int k = 0; k < n; ++k)
+                        marks |= std::uint64_t(any_nonzero(one(at + k))) << k;
+                    *word = marks;
+                } else {
+                    for (std::uint64_t marks = part == 1 ? *word : MarkedEntries::first(n); marks;
+                         marks &= marks - 1)
+                        one(at + std::countr_zero(marks));
+                }
+                if (part == 1) ++word;
+            }
         }
+        if (part >= lists.parts(cluster)) return;
+        const ClusterLists::Part next = lists.part(cluster, part);
+        at = next.begin, end = next.end, word = &spare;
+        x = hide(all_x, next.hidden, neighbors.out_of_reach<typename AnyRecord::Real>());
     }
 }
 
@@ -114,16 +127,17 @@ inline void sum_pure_cluster(const PairPhysics& physics, const PairConstants<Rea
         correction = correction_of<Real>(neighbors, cluster);
     PairSums<Wide> sum;
     ShearSums<Wide> shear;
-    walk<terms>(neighbors, records, cluster, [&](int at) __attribute__((always_inline)) {
+    const auto one = [&](int at, const auto& x) __attribute__((always_inline)) {
         const Record<Real>& j = records[at];
-        const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const Wide dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         return add_pair<KernelLaw, terms, content, false, gradient, form>(
             c, i.own, dx, dy, dz, j, sum, no_tables, variable ? root_mu[at] : Real(0), &shear,
             no_sizes, &correction);
-    });
+    };
+    walk<terms>(neighbors, records, cluster, i.x, one);
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, content, form>(c, i, no_slip, records, cluster, no_tables,
+            add_no_slip<KernelLaw, content, form>(c, i, no_slip, neighbors, cluster, no_tables,
                                                   root_mu, sum, &shear);
     store_results<terms>(k, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
@@ -166,9 +180,9 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
         correction = correction_of<Real>(neighbors, cluster);
     PairSums<Wide> sum;
     ShearSums<Wide> shear;
-    walk<terms>(neighbors, records, cluster, [&](int at) __attribute__((always_inline)) {
+    const auto one = [&](int at, const auto& x) __attribute__((always_inline)) {
         const Record<Real>& j = records[at];
-        const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const Wide dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const auto add = [&](const PairSize<Wide>* size) __attribute__((always_inline)) {
             return add_pair<KernelLaw, terms, content, sized, gradient, form>(
                 mixture.constants, i.own, dx, dy, dz, j, sum, &m.with[FluidTag::of(j)],
@@ -180,11 +194,12 @@ void sum_mixed_cluster(const PairPhysics& physics, const Mixture<Real>& mixture,
         } else {
             return add(nullptr);
         }
-    });
+    };
+    walk<terms>(neighbors, records, cluster, i.x, one);
     if constexpr (terms != Terms::rate)
         if (!no_slip.empty())
-            add_no_slip<KernelLaw, content, form>(mixture.constants, i, no_slip, records, cluster,
-                                                  m.with, root_mu, sum, &shear);
+            add_no_slip<KernelLaw, content, form>(mixture.constants, i, no_slip, neighbors,
+                                                  cluster, m.with, root_mu, sum, &shear);
     store_results<terms>(m.factors, i.volume, sum, first, particles);
     if constexpr (finds_shear_rate(content))
         take_shear_rate(physics, neighbors, mixture.gradient, shear, first, particles);

@@ -25,16 +25,15 @@ ShiftSums<Real> sum_cluster(const PairConstants<Real>& c, const Neighborhood& ne
                             int first, const Lanes<Real>& i) {
     using Wide = Eight<Real>;
     const Record<Real>* records = neighbors.records_in<Real>().data();
-    const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count(), cluster = first / lanes;
     Wide own{};
     if (mixed)
         for (int k = 0; k < lanes; ++k)
             own[k] = static_cast<Real>(FluidTag::of(records[std::min(first + k, n - 1)]));
     ShiftSums<Real> sum;
-    for (const int* at = lists.begin(cluster); at != lists.end(cluster); ++at) {
+    for_each_entry(neighbors, i, cluster, [&](const int* at, const auto& x) {
         const Record<Real>& j = records[*at];
-        const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
+        const Wide dx = to_real(x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
         const Wide r2 = (dx * dx + c.tiny) + dy * dy + dz * dz;
         const Wide F = KernelLaw::gradient_factor(r2, c.inverse_h) * j.volume;
         const Wide p = F * (i.own.p - j.p);
@@ -47,7 +46,7 @@ ShiftSums<Real> sum_cluster(const PairConstants<Real>& c, const Neighborhood& ne
             const Wide differ = own - static_cast<Real>(FluidTag::of(j));
             sum.foreign += F * (differ * differ);
         }
-    }
+    });
     return sum;
 }
 
@@ -126,14 +125,14 @@ void find(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhoo
         const Drift& of = drift[i];
         double normal[3] = {of.normal[0], of.normal[1], of.normal[2]};
         if (depth[i] == Depth::near_surface)
-            for (const int* at = lists.begin(i / lanes); at != lists.end(i / lanes); ++at) {
-                if (*at >= n || depth[*at] < Depth::surface) continue;
-                const double x = double(records[i].x) - records[*at].x,
-                             y = double(records[i].y) - records[*at].y,
-                             z = double(records[i].z) - records[*at].z;
+            lists.for_each_seen(i, [&](int j) {
+                if (j >= n || depth[j] < Depth::surface) return;
+                const double x = double(records[i].x) - records[j].x,
+                             y = double(records[i].y) - records[j].y,
+                             z = double(records[i].z) - records[j].z;
                 const double w = positive_part(1 - std::sqrt(x * x + y * y + z * z) / reach);
-                for (int a = 0; a < 3; ++a) normal[a] += w * drift[*at].normal[a];
-            }
+                for (int a = 0; a < 3; ++a) normal[a] += w * drift[j].normal[a];
+            });
         double length2 = 0, along = 0;
         for (int a = 0; a < 3; ++a) length2 += normal[a] * normal[a], along += of.u[a] * normal[a];
         const double outward = length2 > 0 ? along / length2 : 0;

@@ -72,11 +72,11 @@ struct AlongPair {
 
 /// sum_j mu_ij V_j F (u_i - u_j), or with its part along x_ij.
 template <class Real, class KernelLaw, ViscousForm form, bool several, bool measured>
-Sum<Real> sum_pairs(const Target<Real>& i, Eight<Real> ux, Eight<Real> uy, Eight<Real> uz,
-                    const Record<Real>* records, const int* at, const int* end, Real inverse_h,
-                    Real tiny, AlongPair<Real> c) {
+void sum_pairs(const Target<Real>& i, Eight<Real> ux, Eight<Real> uy, Eight<Real> uz,
+               const Record<Real>* records, const int* at, const int* end, Real inverse_h,
+               Real tiny, AlongPair<Real> c, Sum<Real>& total) {
     using Wide = Eight<Real>;
-    Sum<Real> sum;
+    Sum<Real> sum = total;
     for (; at != end; ++at) {
         const Record<Real>& j = records[*at];
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
@@ -93,17 +93,20 @@ Sum<Real> sum_pairs(const Target<Real>& i, Eight<Real> ux, Eight<Real> uy, Eight
             if constexpr (measured) sum.rubbed += along * approach;
         }
     }
-    return sum;
+    total = sum;
 }
 
 /// What makes the part along x_ij of pairs with images behind no-slip planes one half along x_ij
 /// and half along its reflection, see no_slip_images.hpp.
-template <class Real, class KernelLaw, bool several>
-void turn_no_slip(const Target<Real>& i, Eight<Real> ux, Eight<Real> uy, Eight<Real> uz,
+template <class Real, class KernelLaw, bool several, class Length>
+void turn_no_slip(Target<Real> i, Eight<Real> ux, Eight<Real> uy, Eight<Real> uz,
                   const Record<Real>* records, const NoSlipImages& no_slip, int cluster,
-                  Real inverse_h, Real tiny, AlongPair<Real> c, Sum<Real>& sum) {
+                  Length out_of_reach, Real inverse_h, Real tiny, AlongPair<Real> c,
+                  Sum<Real>& sum) {
     using Wide = Eight<Real>;
+    const auto x = i.x;
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
+        i.x = hide(x, at->hidden, out_of_reach);
         const Record<Real>& j = records[at->record];
         const auto& m = no_slip.reflection(at->image);
         const Wide dx = to_real(i.x - j.x), dy = to_real(i.y - j.y), dz = to_real(i.z - j.z);
@@ -242,18 +245,27 @@ double ViscousOperator<Real>::apply_as(const Field3<Real>& u, double mass_factor
     const AlongPair<Real> along(*physics_, h);
     const int fluids = static_cast<int>(physics_->fluids.size());
     const ClusterLists& lists = neighbors_->fluid_lists();
+    const auto out_of_reach = neighbors_->out_of_reach<Real>();
     return over_clusters([&](int cluster) {
         const int first = cluster * lanes;
-        const Target<Real> i = load_target(records_.data(), first, n, fluids);
+        Target<Real> i = load_target(records_.data(), first, n, fluids);
+        const auto x_of_all = i.x;
         const Wide ux = load(&u.x[first]), uy = load(&u.y[first]), uz = load(&u.z[first]);
         const auto sum_with = measured ? sum_pairs<Real, KernelLaw, form, several, true>
                                        : sum_pairs<Real, KernelLaw, form, several, false>;
-        Sum<Real> sum = sum_with(i, ux, uy, uz, records_.data(), lists.begin(cluster),
-                                 lists.end(cluster), inverse_h, tiny, along);
+        Sum<Real> sum;
+        for (int k = 0; k < lists.parts(cluster); ++k) {
+            const ClusterLists::Part part = lists.part(cluster, k);
+            i.x = hide(x_of_all, part.hidden, out_of_reach);
+            sum_with(i, ux, uy, uz, records_.data(), part.begin, part.end, inverse_h, tiny, along,
+                     sum);
+        }
+        i.x = x_of_all;
         if constexpr (form == ViscousForm::strain)
             if (!no_slip_->empty())
                 turn_no_slip<Real, KernelLaw, several>(i, ux, uy, uz, records_.data(), *no_slip_,
-                                                       cluster, inverse_h, tiny, along, sum);
+                                                       cluster, out_of_reach, inverse_h, tiny,
+                                                       along, sum);
         const Wide m = of_mass * load(&mass_[first]), v = to_force * i.volume;
         const Wide x = m * ux + v * sum.x, y = m * uy + v * sum.y, z = m * uz + v * sum.z;
         store(&out.x[first], x), store(&out.y[first], y), store(&out.z[first], z);
@@ -305,9 +317,11 @@ void ViscousOperator<Real>::diagonal(double dt, std::vector<Real>& out) {
     const auto to_force = static_cast<Real>(dt * pair_scale(*physics_) * share);
     const int fluids = static_cast<int>(physics_->fluids.size());
     const ClusterLists& lists = neighbors_->fluid_lists();
+    const auto out_of_reach = neighbors_->out_of_reach<Real>();
     over_clusters([&](int cluster) {
         const int first = cluster * lanes;
-        const Target<Real> i = load_target(records_.data(), first, n, fluids);
+        Target<Real> i = load_target(records_.data(), first, n, fluids);
+        const auto x_of_all = i.x;
         const Eight<Real> w =
             with_kernel(physics_->kernel, physics_->h, physics_->dimension, [&](const auto& law) {
                 using Law = std::decay_t<decltype(law)>;
@@ -316,8 +330,13 @@ void ViscousOperator<Real>::diagonal(double dt, std::vector<Real>& out) {
                                                       : sum_weights<Real, Law, s, false>)
                                         : (fluids > 1 ? sum_weights<Real, Law, l, true>
                                                       : sum_weights<Real, Law, l, false>);
-                return sum(i, records_.data(), lists.begin(cluster), lists.end(cluster), inverse_h,
-                           tiny, along);
+                Eight<Real> of_all{};
+                for (int k = 0; k < lists.parts(cluster); ++k) {
+                    const ClusterLists::Part part = lists.part(cluster, k);
+                    i.x = hide(x_of_all, part.hidden, out_of_reach);
+                    of_all += sum(i, records_.data(), part.begin, part.end, inverse_h, tiny, along);
+                }
+                return of_all;
             });
         store(&out[first], load(&mass_[first]) + to_force * i.volume * w);
         return 0.0;

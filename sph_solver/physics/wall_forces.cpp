@@ -53,9 +53,9 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
     const Record<Real>* records = neighbors.records_in<Real>().data();
     const ClusterLists& lists = neighbors.fluid_lists();
     const int n = neighbors.fluid_count();
-    for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) {
+    const auto add_entry = [&](const int* at, const Lanes<Real>& i) {
         const Extra& extra = neighbors.extras()[*at - n];
-        if ((extra.mask & planes) == 0 && !extra.from_body) continue;  // by translation only
+        if ((extra.mask & planes) == 0 && !extra.from_body) return;  // by translation only
         const Record<Real>& j = records[*at];
         const int body = extra.from_body ? bodies.owner[extra.source] : -1;
         std::size_t m = 0;
@@ -77,6 +77,14 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
             add_no_slip_image<KernelLaw, content, form>(
                 c, i, DummyChange<Real>(i.own, j, bodies, extra.source), j, with,
                 variable ? root_mu[*at] : Real(0), met[m].sum);
+    };
+    for (const int* at = lists.second(cluster); at != lists.end(cluster); ++at) add_entry(at, i);
+    for (int k = 1; k < lists.parts(cluster); ++k) {
+        const ClusterLists::Part part = lists.part(cluster, k);
+        Lanes<Real> put = i;
+        put.x = hide(i.x, part.hidden, neighbors.out_of_reach<Real>());
+        for (const int* at = part.begin; at != part.end; ++at)
+            if (*at >= n) add_entry(at, put);
     }
     for (const OfWall<Real>& of : met) {
         const Eight<Real> per_rho = i.volume * k.per_mass;
@@ -91,12 +99,14 @@ void for_each_wall(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
 /// of free-slip ones: the walls' shear.
 template <class KernelLaw, Content content, ViscousForm form, class Real, class OfOwn, class F>
 void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
-                    const Lanes<Real>& i, const Meeting<Eight<Real>>* with,
+                    const Lanes<Real>& all, const Meeting<Eight<Real>>* with,
                     const Neighborhood& neighbors, const NoSlipImages& no_slip, int cluster,
                     std::vector<OfWall<Real>>& met, F&& f) {
     if (no_slip.empty()) return;
     constexpr bool variable = content == Content::viscoplastic;
     for (const auto* at = no_slip.begin(cluster); at != no_slip.end(cluster); ++at) {
+        Lanes<Real> i = all;
+        i.x = hide(all.x, at->hidden, neighbors.out_of_reach<Real>());
         const PlaneMask mask = neighbors.extras()[at->record - neighbors.fluid_count()].mask;
         std::size_t m = 0;
         while (m < met.size() && met[m].mask != mask) ++m;
@@ -112,7 +122,7 @@ void for_each_shear(const PairConstants<Real>& c, const Factors<Real, OfOwn>& k,
                                                    root_mu_j, met[m].sum);
     }
     for (const OfWall<Real>& of : met) {
-        const Eight<Real> per_rho = i.volume * k.per_mass;
+        const Eight<Real> per_rho = all.volume * k.per_mass;
         Eight<Real> ax, ay, az;
         acceleration(k, per_rho, of.sum, ax, ay, az);
         f(of.mask, ax, ay, az);

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """table.py RESULTS: pressure of every layer over and under the plate, and what the plate carries."""
 import csv
+import json
 import pathlib
 import sys
 
@@ -26,18 +27,24 @@ def layers(path):
     return z, p
 
 
+def mean_force(results, face):
+    """Upward, over the second half of the run [N]."""
+    rows = [row for row in csv.reader(open(results / "forces.csv")) if row and row[0][0] != "#"]
+    history = dict(zip(rows[0], np.array(rows[1:], float).T))
+    t, impulse = history["t [s]"], history[face + ".jz [N s]"]
+    half = np.searchsorted(t, 0.5 * t[-1])
+    return (impulse[-1] - impulse[half]) / (t[-1] - t[half])
+
+
 def main():
     results = pathlib.Path(sys.argv[1])
     for z, p in zip(*layers(results / "sph.vtkhdf")):
         exact = RHO_G * ((PLATE if z < 0 else SURFACE) - z)
         print(f"z {z:8.4f} m   p {p:7.1f} Pa   exact {exact:7.1f} Pa")
-    rows = [row for row in csv.reader(open(results / "forces.csv")) if row and row[0][0] != "#"]
-    history = dict(zip(rows[0], np.array(rows[1:], float).T))
-    t = history["t [s]"]
-    half = np.searchsorted(t, 0.5 * t[-1])
     for face, exact in (("plate", -RHO_G * AREA * SURFACE), ("under", 0.0)):
-        impulse = history[face + ".jz [N s]"]
-        print(f"{face}: {(impulse[-1] - impulse[half]) / (t[-1] - t[half]):.3f} N, exact {exact:.3f} N")
+        print(f"{face}: {mean_force(results, face):.3f} N, exact {exact:.3f} N")
+    cost = json.loads((results / "summary.sph.json").read_text())
+    print(f"{cost['steps']} steps, {cost['sph']['particle_steps_per_busy_s']:.3g} particle-steps/s")
 
 
 if __name__ == "__main__":
