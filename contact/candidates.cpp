@@ -6,12 +6,16 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/facet_lanes.hpp"
+
 namespace undertow::contact {
 
 namespace {
 
 // What float cannot hold of a distance: tests in float err by less, on the safe side.
 constexpr double float_margin = 1e-6;
+// Pairs that are measured together: their rows stay in the nearest cache.
+constexpr std::size_t pairs_at_once = 1024;
 constexpr std::uint32_t nobody = 0xffffffffu;
 
 }  // namespace
@@ -121,16 +125,42 @@ void FacetCells::search(const Points& points, const Surface& surface, double ski
             const float dx = px - ball.center[0], dy = py - ball.center[1],
                         dz = pz - ball.center[2], far = ball.radius + own;
             if (dx * dx + dy * dy + dz * dz > far * far) continue;
-            const double distance = closest_point(x, surface.shape(facet)).distance;
-            if (distance > range) continue;
-            found.facet.push_back(facet);
-            found.distance.push_back(float(distance * (1 - float_margin)));
+            pair_particle_.push_back(std::int32_t(i));
+            pair_facet_.push_back(std::int32_t(facet));
+            __builtin_prefetch(surface.corners(facet));
         }
-        if (found.facet.size() > found.start.back()) {
-            found.row.push_back(i);
-            found.start.push_back(std::uint32_t(found.facet.size()));
+        if (pair_facet_.size() >= pairs_at_once) keep_near(points, surface, skin, found);
+    }
+    keep_near(points, surface, skin, found);
+}
+
+/// Distances of eight pairs at once; pairs come by particle, then by facet, and stay so.
+void FacetCells::keep_near(const Points& points, const Surface& surface, double skin,
+                           CandidateList& found) {
+    const std::size_t pairs = pair_facet_.size();
+    for (std::vector<std::int32_t>* rows : {&pair_particle_, &pair_facet_})
+        while (rows->size() % lane_count != 0) rows->push_back(rows->back());
+    for (std::size_t p = 0; p < pairs; p += lane_count) {
+        fetch_nodes(surface, std::span(pair_facet_)
+                                 .subspan(p + lane_count < pairs ? p + lane_count : p, lane_count));
+        const Lanes distance =
+            closest_points(gather_three(points.x.data(), load_rows(&pair_particle_[p])), surface,
+                           load_rows(&pair_facet_[p]))
+                .distance;
+        for (std::size_t q = p; q < std::min(pairs, p + lane_count); ++q) {
+            const std::uint32_t i = std::uint32_t(pair_particle_[q]);
+            if (distance[q - p] > points.radius[i] + skin) continue;
+            if (found.row.empty() || found.row.back() != i) {
+                found.row.push_back(i);
+                found.start.push_back(found.start.back());
+            }
+            found.facet.push_back(std::uint32_t(pair_facet_[q]));
+            found.distance.push_back(float(distance[q - p] * (1 - float_margin)));
+            ++found.start.back();
         }
     }
+    pair_particle_.clear();
+    pair_facet_.clear();
 }
 
 }  // namespace undertow::contact

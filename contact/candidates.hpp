@@ -32,6 +32,8 @@ class FacetCells {
         float radius;                 // [m] rounded up
     };
     void fill(const Surface& surface, double range);
+    /// Keeps of the listed pairs those within reach.
+    void keep_near(const Points& points, const Surface& surface, double skin, CandidateList& found);
     std::size_t bucket_of(std::int64_t i, std::int64_t j, std::int64_t k) const;
     template <typename Visit>
     void for_each_bucket(const Surface& surface, double range, Visit visit);
@@ -43,6 +45,7 @@ class FacetCells {
     std::vector<std::uint32_t> entry_;  // facets of a bucket, rising, each once
     std::vector<std::uint32_t> last_;   // per bucket: the last facet that came, while filling
     std::vector<Ball> ball_;            // per facet
+    std::vector<std::int32_t> pair_particle_, pair_facet_;  // still to be measured
 };
 
 }  // namespace undertow::contact

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
+
+#include "contact/facet_lanes.hpp"
 
 namespace undertow::contact {
 
@@ -21,6 +24,12 @@ constexpr double same_point = 1e-9;
 // The point touched at the step before is off the plane of a neighboring facet of the same face by
 // less than this share of l0; two faces that a particle can touch together are farther apart.
 constexpr double same_face = 0.25;
+
+// Particles whose pairs are listed together: their feet stay in the nearest cache.
+constexpr std::size_t block = 64;
+
+// Rows of three numbers are fetched this many numbers ahead.
+constexpr std::size_t ahead = 3 * block;
 
 constexpr std::uint32_t no_facet = 0xffffffffu;
 
@@ -97,31 +106,6 @@ bool is_local_minimum(const Surface& surface, TouchList& touches, const Touch& t
     return true;
 }
 
-Contact make_contact(const Points& active, const Surface& surface, std::uint32_t particle,
-                     const Touch& touch, double sign) {
-    Contact contact;
-    contact.particle = particle;
-    contact.facet = touch.facet;
-    contact.weight = touch.foot.weight;
-    const double l0 = active.radius[particle];
-    const Vec x = Vec::Map(&active.x[3 * std::size_t(particle)]);
-    const Vec v = Vec::Map(&active.v[3 * std::size_t(particle)]);
-    contact.point = x - touch.foot.offset;
-    // With the center in the surface the offset has no direction left; the facet's normal has.
-    contact.normal = touch.foot.distance > same_point * l0
-                         ? Vec(sign / touch.foot.distance * touch.foot.offset)
-                         : touch.foot.normal;
-    contact.depth = l0 - sign * touch.foot.distance;
-    Vec v_surface = Vec::Zero();
-    const std::int32_t* q = surface.corners(touch.facet);
-    for (int a = 0; a < 4; ++a) v_surface += touch.foot.weight[a] * surface.velocity(q[a]);
-    const Vec relative = v - v_surface;
-    const double along = relative.dot(contact.normal);
-    contact.closing = -along;
-    contact.slip = relative - along * contact.normal;
-    return contact;
-}
-
 /// Does the touch see the particle squarely from behind?
 bool from_behind(const Touch& touch) {
     return !touch.free_rim && touch.side < -0.7 * touch.foot.distance;
@@ -148,39 +132,57 @@ const Touch* passed_face(const DetectionRules& rules, const Surface& surface, do
     return passed;
 }
 
-/// Chooses the contacts of one particle among what it touches. passed: see passed_face.
-void select(const DetectionRules& rules, const Points& active, const Surface& surface,
-            std::uint32_t particle, const Touch& closest, const Touch* passed, TouchList& touches,
-            std::vector<Contact>& contacts) {
-    const double l0 = active.radius[particle], tolerance = same_point * l0;
+/// A touch that acts: sign -1 pushes back through the surface.
+struct Chosen {
+    const Touch* touch;
+    double sign;
+};
+
+/// Normal of a contact. With the center in the surface the offset has no direction left; the
+/// facet's normal has.
+template <typename T>
+Three<T> contact_normal(const Three<T>& offset, const T& distance, const T& sign,
+                        const Three<T>& plane_normal, const T& l0) {
+    return select(less(same_point * l0, distance), (sign / distance) * offset, plane_normal);
+}
+
+Three<double> normal_of(const Touch& touch, double sign, double l0) {
+    const Vec &o = touch.foot.offset, &n = touch.foot.normal;
+    return contact_normal<double>({o[0], o[1], o[2]}, touch.foot.distance, sign, {n[0], n[1], n[2]},
+                                  l0);
+}
+
+/// Chooses the contacts of one particle among what it touches. passed: see passed_face. Returns how
+/// many of `chosen` were filled.
+int select_contacts(const DetectionRules& rules, const Surface& surface, double l0,
+                    const Touch& closest, const Touch* passed, TouchList& touches,
+                    std::array<Chosen, most_contacts>& chosen) {
     if (passed) {
-        contacts.push_back(make_contact(active, surface, particle, *passed, -1));
-        return;
+        chosen[0] = {passed, -1};
+        return 1;
     }
     if (!closest.wet()) {
-        if (closest.foot.distance <= rules.behind * l0)
-            contacts.push_back(make_contact(active, surface, particle, closest, -1));
-        return;
+        chosen[0] = {&closest, -1};
+        return closest.foot.distance <= rules.behind * l0 ? 1 : 0;
     }
     std::sort(touches.begin(), touches.end(), [](const Touch& a, const Touch& b) {
         return a.foot.distance != b.foot.distance ? a.foot.distance < b.foot.distance
                                                   : a.facet < b.facet;
     });
-    const std::size_t first = contacts.size();
+    int count = 0;
     for (const Touch& touch : touches) {
         if (touch.foot.distance >= l0 || !touch.wet()) continue;
-        if (!is_local_minimum(surface, touches, touch, tolerance)) continue;
-        const Contact contact = make_contact(active, surface, particle, touch, +1);
+        if (!is_local_minimum(surface, touches, touch, same_point * l0)) continue;
+        const Three<double> normal = normal_of(touch, +1, l0);
         const bool new_wall =
-            std::all_of(contacts.begin() + first, contacts.end(), [&](const Contact& taken) {
-                return taken.normal.dot(contact.normal) < rules.same_normal;
+            std::all_of(chosen.begin(), chosen.begin() + count, [&](const Chosen& taken) {
+                return dot(normal_of(*taken.touch, +1, l0), normal) < rules.same_normal;
             });
-        if (new_wall) contacts.push_back(contact);
-        if (contacts.size() - first == most_contacts) break;
+        if (new_wall) chosen[count++] = {&touch, +1};
+        if (count == most_contacts) break;
     }
+    return count;
 }
-
-using Lanes = double __attribute__((vector_size(64)));
 
 /// Largest size of f(i) over i < n, where at(i) gives eight of them; a plain loop with max stays
 /// scalar as long as NaN must remain visible.
@@ -198,22 +200,16 @@ double largest_of(std::size_t n, Eight eight, One one) {
     return largest;
 }
 
-Lanes load(std::span<const double> a, std::size_t i) {
-    Lanes lanes;
-    std::memcpy(&lanes, &a[i], sizeof lanes);
-    return lanes;
-}
-
 /// Largest size of a component.
 double largest_size(std::span<const double> a) {
     return largest_of(
-        a.size(), [&](std::size_t i) { return load(a, i); }, [&](std::size_t i) { return a[i]; });
+        a.size(), [&](std::size_t i) { return load(&a[i]); }, [&](std::size_t i) { return a[i]; });
 }
 
 /// Largest size of a component of a - b; arrays of equal length.
 double largest_change(std::span<const double> a, std::span<const double> b) {
     return largest_of(
-        a.size(), [&](std::size_t i) { return load(a, i) - load(b, i); },
+        a.size(), [&](std::size_t i) { return load(&a[i]) - load(&b[i]); },
         [&](std::size_t i) { return a[i] - b[i]; });
 }
 
@@ -239,25 +235,202 @@ double approach_rate(const Points& active, const Surface& surface, std::size_t i
 
 }  // namespace
 
+/// Eight contacts as they are chosen; what a pack is made of.
+struct Detector::Work {
+    std::vector<std::int32_t> particle, facet;  // per pair
+    std::vector<std::uint32_t> entry;           // per pair: its place among the candidates
+    std::vector<LaneFeet> feet;                 // eight pairs each
+    std::size_t pairs = 0;
+    struct Seen {
+        std::uint32_t particle, first_pair;
+        bool closely;
+    };
+    std::array<Seen, block + 1> seen;  // particles that have pairs, and who would come next
+    int seen_count = 0;
+
+    TouchList touches;
+    ContactPack staged;
+    Three<Lanes> offset, plane_normal;
+    Lanes distance, sign;
+    int staged_count = 0;
+    ContactList contacts;
+
+    void reserve(std::size_t most_pairs) {
+        const std::size_t batches = most_pairs / lane_count + 1;
+        if (feet.size() >= batches) return;
+        feet.resize(batches);
+        for (auto* rows : {&particle, &facet}) rows->resize(batches * lane_count);
+        entry.resize(batches * lane_count);
+    }
+    void find_feet(const Points& active, const Surface& surface);
+    Touch touch(const Surface& surface, std::uint32_t pair) const;
+    bool choose_quickly(const Points& active, const Surface& surface, double reach, bool had_side,
+                        const Seen& seen, std::uint32_t end, std::int64_t& chosen) const;
+    /// Adds a contact; `pair` is where its foot is.
+    void stage(const Foot& foot, std::uint32_t particle, std::uint32_t facet, double sign);
+    void stage(std::uint32_t pair);
+    void finish_staged(const Points& active, const Surface& surface);
+};
+
+/// Closest points of all pairs; lanes beyond the last repeat it.
+void Detector::Work::find_feet(const Points& active, const Surface& surface) {
+    if (pairs == 0) return;
+    for (std::size_t p = pairs; p % lane_count != 0; ++p) {
+        particle[p] = particle[pairs - 1];
+        facet[p] = facet[pairs - 1];
+    }
+    for (std::size_t p = 0; p < pairs; p += lane_count) {
+        // What the next eight need is fetched while these are computed.
+        const std::size_t next = p + lane_count < pairs ? p + lane_count : p;
+        fetch_nodes(surface, std::span(facet).subspan(next, lane_count));
+        feet[p / lane_count] = closest_points(
+            gather_three(active.x.data(), load_rows(&particle[p])), surface, load_rows(&facet[p]));
+    }
+}
+
+Touch Detector::Work::touch(const Surface& surface, std::uint32_t pair) const {
+    const LaneFeet& f = feet[pair / lane_count];
+    const int lane = int(pair % lane_count);
+    Touch touch;
+    touch.facet = std::uint32_t(facet[pair]);
+    touch.foot = {{f.weight[0][lane], f.weight[1][lane], f.weight[2][lane], f.weight[3][lane]},
+                  {f.offset.x[lane], f.offset.y[lane], f.offset.z[lane]},
+                  {f.normal.x[lane], f.normal.y[lane], f.normal.z[lane]},
+                  f.distance[lane],
+                  std::uint8_t(f.rim[lane])};
+    touch.side = f.side[lane];
+    touch.free_rim = surface.is_free_rim(touch.facet, touch.foot.rim);
+    return touch;
+}
+
+/// The common case without lists: the nearest foot lies inside a facet that sees the particle from
+/// the wet side, and all other feet within reach are on edges and corners of that facet, hence no
+/// minima. `chosen` becomes its pair, or -1 for no contact. False: not so simple.
+bool Detector::Work::choose_quickly(const Points& active, const Surface& surface, double reach,
+                                    bool had_side, const Seen& it, std::uint32_t end,
+                                    std::int64_t& chosen) const {
+    chosen = -1;
+    double least = std::numeric_limits<double>::infinity();
+    int within = 0;
+    for (std::uint32_t p = it.first_pair; p < end; ++p) {
+        const double distance = feet[p / lane_count].distance[p % lane_count];
+        if (distance > reach) continue;
+        ++within;
+        if (!(distance < least)) continue;
+        least = distance;
+        chosen = p;
+    }
+    if (within == 0) return true;
+    if (chosen < 0) return false;
+    const LaneFeet& nearest = feet[std::size_t(chosen) / lane_count];
+    const int lane = int(chosen % lane_count);
+    if (nearest.rim[lane] != 0 || !(nearest.side[lane] >= 0)) return false;
+    const double l0 = active.radius[it.particle];
+    const std::int32_t* corners = surface.corners(std::uint32_t(facet[chosen]));
+    for (std::uint32_t p = it.first_pair; within > 1 && p < end; ++p) {
+        const LaneFeet& other = feet[p / lane_count];
+        const int its = int(p % lane_count);
+        const double distance = other.distance[its];
+        if (distance > reach || p == std::uint32_t(chosen)) continue;
+        if (!(distance > least + same_point * l0)) return false;
+        if (had_side && !(other.side[its] >= 0)) return false;
+        if (distance >= l0) continue;
+        const int rim = int(other.rim[its]);
+        if (rim == 0) return false;
+        const std::int32_t* theirs = surface.corners(std::uint32_t(facet[p]));
+        for (int k = 0; k < 4; ++k)
+            if (rim >> k & 1 && theirs[k] != corners[0] && theirs[k] != corners[1] &&
+                theirs[k] != corners[2] && theirs[k] != corners[3])
+                return false;
+    }
+    if (!(least < l0)) chosen = -1;
+    return true;
+}
+
+void Detector::Work::stage(const Foot& foot, std::uint32_t i, std::uint32_t f, double its_sign) {
+    const int lane = staged_count++;
+    staged.particle[lane] = std::int32_t(i);
+    staged.facet[lane] = std::int32_t(f);
+    for (int a = 0; a < 4; ++a) staged.weight[a][lane] = foot.weight[a];
+    offset.x[lane] = foot.offset[0], offset.y[lane] = foot.offset[1];
+    offset.z[lane] = foot.offset[2];
+    plane_normal.x[lane] = foot.normal[0], plane_normal.y[lane] = foot.normal[1];
+    plane_normal.z[lane] = foot.normal[2];
+    distance[lane] = foot.distance;
+    sign[lane] = its_sign;
+}
+
+void Detector::Work::stage(std::uint32_t pair) {
+    const LaneFeet& foot = feet[pair / lane_count];
+    const int from = int(pair % lane_count), lane = staged_count++;
+    staged.particle[lane] = particle[pair];
+    staged.facet[lane] = facet[pair];
+    for (int a = 0; a < 4; ++a) staged.weight[a][lane] = foot.weight[a][from];
+    offset.x[lane] = foot.offset.x[from], offset.y[lane] = foot.offset.y[from];
+    offset.z[lane] = foot.offset.z[from];
+    plane_normal.x[lane] = foot.normal.x[from], plane_normal.y[lane] = foot.normal.y[from];
+    plane_normal.z[lane] = foot.normal.z[from];
+    distance[lane] = foot.distance[from];
+    sign[lane] = 1;
+}
+
+/// Turns what is staged into contacts.
+void Detector::Work::finish_staged(const Points& active, const Surface& surface) {
+    if (staged_count == 0) return;
+    for (int lane = staged_count; lane < lane_count; ++lane) {  // the last one again
+        const int last = staged_count - 1;
+        staged.particle[lane] = staged.particle[last];
+        staged.facet[lane] = staged.facet[last];
+        for (int a = 0; a < 4; ++a) staged.weight[a][lane] = staged.weight[a][last];
+        for (Three<Lanes>* v : {&offset, &plane_normal})
+            for (Lanes* lanes : {&v->x, &v->y, &v->z}) (*lanes)[lane] = (*lanes)[last];
+        distance[lane] = distance[last];
+        sign[lane] = sign[last];
+    }
+    const LaneCorners corners = corners_of(surface, staged.facet);
+    for (int a = 0; a < 4; ++a) staged.node[a] = corners.node[a];
+    const Lanes l0 = gather(active.radius.data(), staged.particle);
+    const Three<Lanes> x = gather_three(active.x.data(), staged.particle);
+    staged.point = x - offset;
+    staged.normal = contact_normal(offset, distance, sign, plane_normal, l0);
+    staged.depth = l0 - sign * distance;
+    const Three<Lanes> relative = relative_velocity(gather_three(active.v.data(), staged.particle),
+                                                    surface, staged.node, staged.weight);
+    const Lanes along = dot(relative, staged.normal);
+    staged.closing = -along;
+    staged.slip = relative - along * staged.normal;
+    staged.stiffness = staged.normal_force = staged.damping_force = staged.drag = spread<Lanes>(0);
+    contacts.append(staged, staged_count);
+    staged_count = 0;
+}
+
 Detector::Detector(DetectionRules rules, int threads)
-    : rules_(rules), threads_(std::max(1, threads)), per_thread_(threads_) {}
+    : rules_(rules), threads_(std::max(1, threads)) {
+    for (int thread = 0; thread < threads_; ++thread) work_.push_back(std::make_unique<Work>());
+}
+Detector::Detector(Detector&&) noexcept = default;
+Detector::~Detector() = default;
 
 void Detector::renew(const Points& active, const Surface& surface, const CandidateList& candidates,
                      std::span<const std::int64_t> old_row) {
-    next_side_.resize(active.size());
-    for (std::size_t i = 0; i < active.size(); ++i)
-        next_side_[i] = old_row[i] >= 0 && std::size_t(old_row[i]) < side_.size()
-                            ? side_[old_row[i]]
-                            : Side{no_facet, {}};
-    side_.swap(next_side_);
+    next_side_facet_.assign(active.size(), no_facet);
+    next_side_weight_.resize(active.size());
+    for (std::size_t i = 0; i < active.size(); ++i) {
+        if (old_row[i] < 0 || std::size_t(old_row[i]) >= side_facet_.size()) continue;
+        next_side_facet_[i] = side_facet_[old_row[i]];
+        next_side_weight_[i] = side_weight_[old_row[i]];
+    }
+    side_facet_.swap(next_side_facet_);
+    side_weight_.swap(next_side_weight_);
     x_nodes_.assign(surface.x().begin(), surface.x().end());
     travel_ = 0;
     distance_.assign(candidates.distance.begin(), candidates.distance.end());
-    look_.resize(active.size());
+    look_x_.assign(active.x.begin(), active.x.end());
+    look_travel_.assign(active.size(), 0);
+    look_nearest_.resize(active.size());
     for (std::size_t i = 0; i < active.size(); ++i)
-        look_[i] = {Vec::Map(&active.x[3 * i]), 0,
-                    *std::min_element(distance_.begin() + candidates.start[i],
-                                      distance_.begin() + candidates.start[i + 1])};
+        look_nearest_[i] = *std::min_element(distance_.begin() + candidates.start[i],
+                                             distance_.begin() + candidates.start[i + 1]);
 }
 
 /// How far the surface may have moved since the last step, and how fast it is.
@@ -267,79 +440,173 @@ void Detector::follow(const Surface& surface) {
     node_speed_ = per_component * largest_size(surface.v());
 }
 
-/// All facets within reach of particle i, in the order of the candidates.
-void Detector::find_touches(const Points& active, const Surface& surface,
-                            const CandidateList& candidates, std::size_t i, TouchList& touches) {
-    const Vec x = Vec::Map(&active.x[3 * i]);
-    const double l0 = active.radius[i], reach = std::max(1.0, rules_.behind) * l0;
-    Look& look = look_[i];
-    const double moved = (x - look.x).norm() + (travel_ - look.travel);
-    if (double(look.nearest) > reach + moved) return;
+/// Lists the pairs of a block that cannot be excluded. Returns the largest approach rate [1/s] of
+/// those who are fast enough to be asked.
+double Detector::find_pairs(const Points& active, const Surface& surface,
+                            const CandidateList& candidates, double longest_dt, std::size_t first,
+                            std::size_t last, Work& work) {
+    double fastest = 0;
+    work.pairs = 0;
+    work.seen_count = 0;
+    const double behind = std::max(1.0, rules_.behind);
+    for (std::size_t i = first; i < last; i += lane_count) {
+        LaneRows row;
+        for (int lane = 0; lane < lane_count; ++lane)
+            row[lane] = std::int32_t(std::min(i + std::size_t(lane), last - 1));
+        const LaneMask here = first_lanes(int(std::min<std::size_t>(lane_count, last - i)));
+        for (const double* rows : {active.x.data(), active.v.data(), std::as_const(look_x_).data()})
+            for (int line = 0; line < 3; ++line)
+                __builtin_prefetch(rows + 3 * i + ahead + 8 * line);
+        const Three<Lanes> x = gather_three(active.x.data(), row),
+                           v = gather_three(active.v.data(), row),
+                           from = gather_three(look_x_.data(), row);
+        const Lanes l0 = gather(active.radius.data(), row), reach = behind * l0;
+        const LaneMask slow = at_most((norm(v) + node_speed_) * longest_dt, rules_.step_share * l0);
+        if (const LaneMask asked = without(here, slow); any(asked))
+            for (int lane = 0; lane < lane_count; ++lane)
+                if (asked[lane])
+                    fastest = std::max(
+                        fastest,
+                        approach_rate(active, surface, i + std::size_t(lane),
+                                      {candidates.facet.data() + candidates.start[i + lane],
+                                       candidates.facet.data() + candidates.start[i + lane + 1]}));
 
-    const bool closely = moved > look_again * l0;
-    const float near = closely ? std::numeric_limits<float>::infinity()
-                               : float((reach + moved) * (1 + float_margin));
-    float nearest = std::numeric_limits<float>::infinity();
-    for (std::uint32_t e = candidates.start[i]; e < candidates.start[i + 1]; ++e) {
-        if (distance_[e] > near) continue;
-        const std::uint32_t facet = candidates.facet[e];
-        Touch touch{facet, closest_point(x, surface.shape(facet)), 0, false};
-        if (closely) {
-            distance_[e] = float(touch.foot.distance * (1 - float_margin));
-            nearest = std::min(nearest, distance_[e]);
+        const Lanes moved = norm(x - from) + (travel_ - gather(look_travel_.data(), row));
+        const LaneMask idle = less(reach + moved, gather(look_nearest_.data(), row));
+        const LaneMask busy = without(here, idle);
+        for (int lane = 0; lane < lane_count; ++lane)
+            if (idle[lane]) side_facet_[std::size_t(row[lane])] = no_facet;
+        if (!any(busy)) continue;
+        const Lanes range = (reach + moved) * (1 + double(float_margin));
+        const LaneMask close = less(look_again * l0, moved);
+        for (int lane = 0; lane < lane_count; ++lane) {
+            if (!busy[lane]) continue;
+            const std::uint32_t particle = std::uint32_t(i) + std::uint32_t(lane);
+            const bool closely = close[lane];
+            const float near =
+                closely ? std::numeric_limits<float>::infinity() : float(range[lane]);
+            const std::size_t begin = work.pairs;
+            std::size_t p = begin;
+            for (std::uint32_t e = candidates.start[particle]; e < candidates.start[particle + 1];
+                 ++e) {
+                work.particle[p] = std::int32_t(particle);
+                work.facet[p] = std::int32_t(candidates.facet[e]);
+                work.entry[p] = e;
+                p += !(distance_[e] > near);
+            }
+            for (std::size_t q = begin; q < p; ++q)
+                __builtin_prefetch(surface.corners(std::uint32_t(work.facet[q])));
+            work.seen[std::size_t(work.seen_count++)] = {particle, std::uint32_t(begin), closely};
+            work.pairs = p;
         }
-        if (touch.foot.distance > reach) continue;
-        touch.side = touch.foot.offset.dot(touch.foot.normal);
-        touch.free_rim = surface.is_free_rim(facet, touch.foot.rim);
-        touches.add(touch);
     }
-    if (closely) look = {x, travel_, nearest};
+    work.seen[std::size_t(work.seen_count)].first_pair = std::uint32_t(work.pairs);
+    return fastest;
+}
+
+/// Who was looked at closely has its distances anew.
+void Detector::note_look(const Points& active, const Work& work) {
+    for (int s = 0; s < work.seen_count; ++s) {
+        const Work::Seen& it = work.seen[std::size_t(s)];
+        if (!it.closely) continue;
+        float nearest = std::numeric_limits<float>::infinity();
+        for (std::uint32_t p = it.first_pair; p < work.seen[std::size_t(s) + 1].first_pair; ++p) {
+            const double distance = work.feet[p / lane_count].distance[p % lane_count];
+            float& kept = distance_[work.entry[p]];
+            kept = float(distance * (1 - float_margin));
+            nearest = std::min(nearest, kept);
+        }
+        std::copy_n(&active.x[3 * std::size_t(it.particle)], 3,
+                    &look_x_[3 * std::size_t(it.particle)]);
+        look_travel_[it.particle] = travel_;
+        look_nearest_[it.particle] = nearest;
+    }
+}
+
+void Detector::choose(const Points& active, const Surface& surface, Work& work) {
+    std::array<Chosen, most_contacts> chosen;
+    for (int s = 0; s < work.seen_count; ++s) {
+        const Work::Seen& it = work.seen[std::size_t(s)];
+        const std::uint32_t end = work.seen[std::size_t(s) + 1].first_pair;
+        const std::uint32_t i = it.particle;
+        const double l0 = active.radius[i], reach = std::max(1.0, rules_.behind) * l0;
+        const std::uint32_t touched = side_facet_[i];
+        side_facet_[i] = no_facet;
+        std::int64_t pair;
+        if (work.choose_quickly(active, surface, reach, touched != no_facet, it, end, pair)) {
+            if (pair < 0) continue;
+            const LaneFeet& foot = work.feet[std::size_t(pair) / lane_count];
+            side_facet_[i] = std::uint32_t(work.facet[std::size_t(pair)]);
+            for (int a = 0; a < 4; ++a) side_weight_[i][a] = foot.weight[a][pair % lane_count];
+            work.stage(std::uint32_t(pair));
+            if (work.staged_count == lane_count) work.finish_staged(active, surface);
+            continue;
+        }
+        work.touches.clear();
+        for (std::uint32_t p = it.first_pair; p < end; ++p)
+            if (!(work.feet[p / lane_count].distance[p % lane_count] > reach))
+                work.touches.add(work.touch(surface, p));
+        const Touch& closest = nearest(work.touches, same_point * l0);
+        const Touch* passed =
+            touched == no_facet
+                ? nullptr
+                : passed_face(rules_, surface, l0, touched, side_weight_[i], closest, work.touches,
+                              Vec::Map(&active.x[3 * std::size_t(i)]));
+        const int count =
+            select_contacts(rules_, surface, l0, closest, passed, work.touches, chosen);
+        for (int c = 0; c < count; ++c) {
+            const Touch& touch = *chosen[std::size_t(c)].touch;
+            if (c == 0) side_facet_[i] = touch.facet, side_weight_[i] = touch.foot.weight;
+            work.stage(touch.foot, i, touch.facet, chosen[std::size_t(c)].sign);
+            if (work.staged_count == lane_count) work.finish_staged(active, surface);
+        }
+    }
 }
 
 double Detector::detect(const Points& active, const Surface& surface,
-                        const CandidateList& candidates, double longest_dt,
-                        std::vector<Contact>& contacts) {
+                        const CandidateList& candidates, double longest_dt, ContactList& contacts) {
     follow(surface);
-    const std::int64_t particles = std::int64_t(active.size());
+    const std::size_t particles = active.size(), blocks = (particles + block - 1) / block;
+    std::size_t most_pairs = 0;
+    for (std::size_t b = 0; b < blocks; ++b)
+        most_pairs = std::max<std::size_t>(
+            most_pairs,
+            candidates.start[std::min(particles, (b + 1) * block)] - candidates.start[b * block]);
     double fastest = 0;  // [1/s] largest closing speed over l0
-    contacts.clear();
 #pragma omp parallel num_threads(threads_) reduction(max : fastest) if (threads_ > 1)
     {
         const int thread = omp_get_thread_num(), team = omp_get_num_threads();
-        std::vector<Contact>& mine = team == 1 ? contacts : per_thread_[thread];
-        mine.clear();
-        TouchList touches;
-        // Blocks of consecutive particles: joined in thread order they are in particle order.
-        for (std::int64_t i = particles * thread / team; i < particles * (thread + 1) / team; ++i) {
-            const double speed = Vec::Map(&active.v[3 * i]).norm() + node_speed_;
-            if (!(speed * longest_dt <= rules_.step_share * active.radius[i]))
-                fastest = std::max(
-                    fastest, approach_rate(active, surface, std::size_t(i),
-                                           {candidates.facet.data() + candidates.start[i],
-                                            candidates.facet.data() + candidates.start[i + 1]}));
-            touches.clear();
-            find_touches(active, surface, candidates, std::size_t(i), touches);
-            Side& side = side_[i];
-            const std::size_t first = mine.size();
-            if (!touches.empty()) {
-                const double l0 = active.radius[i];
-                const Touch& closest = nearest(touches, same_point * l0);
-                const Touch* passed =
-                    side.facet == no_facet
-                        ? nullptr
-                        : passed_face(rules_, surface, l0, side.facet, side.weight, closest,
-                                      touches, Vec::Map(&active.x[3 * i]));
-                select(rules_, active, surface, std::uint32_t(i), closest, passed, touches, mine);
+        Work& work = *work_[std::size_t(thread)];
+        work.reserve(most_pairs);
+        if (team == 1) contacts.swap(work.contacts);  // its memory is used again
+        work.contacts.clear();
+        // Consecutive blocks: joined in thread order the contacts are in particle order.
+        for (std::size_t b = blocks * std::size_t(thread) / std::size_t(team);
+             b < blocks * std::size_t(thread + 1) / std::size_t(team); ++b) {
+            fastest =
+                std::max(fastest, find_pairs(active, surface, candidates, longest_dt, b * block,
+                                             std::min(particles, (b + 1) * block), work));
+            work.find_feet(active, surface);
+            note_look(active, work);
+            choose(active, surface, work);
+        }
+        work.finish_staged(active, surface);
+        if (team == 1) {
+            contacts.swap(work.contacts);
+        } else {
+#pragma omp barrier
+            std::size_t first = 0, all = 0;
+            for (int t = 0; t < team; ++t) {
+                if (t == thread) first = all;
+                all += work_[std::size_t(t)]->contacts.size();
             }
-            if (mine.size() > first)
-                side = {mine[first].facet, mine[first].weight};
-            else
-                side.facet = no_facet;
+#pragma omp single
+            contacts.resize(all);
+            for (std::size_t c = 0; c < work.contacts.size(); ++c)
+                contacts.copy(first + c, work.contacts, c);
         }
     }
-    if (threads_ > 1)
-        for (const std::vector<Contact>& part : per_thread_)
-            contacts.insert(contacts.end(), part.begin(), part.end());
+    contacts.fill_lanes_beyond();
     return fastest > 0 ? rules_.step_share / fastest : std::numeric_limits<double>::infinity();
 }
 

@@ -23,10 +23,12 @@
 // particle from outside), and the face that was touched sees it from behind, the particle has passed
 // that face and is pushed back through it. Who touches nothing has no side.
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "contact/candidates.hpp"
+#include "contact/contact_list.hpp"
 #include "contact/points.hpp"
 #include "contact/surface.hpp"
 
@@ -42,30 +44,12 @@ struct DetectionRules {
     double step_share = 0.25;  // a particle may approach a facet by this share of l0 per step
 };
 
-/// One particle on one facet.
-struct Contact {
-    std::uint32_t particle;  // active row
-    std::uint32_t facet;
-    std::array<double, 4> weight;  // w_a of the facet's nodes at the contact point
-    Vec point;                     // [m] contact point, sum_a w_a x_a
-    Vec normal;                    // unit, from the surface to the wet side
-    double depth;                  // [m] penetration d = l0 - signed distance, > 0; forces take off
-                                   // what the particle was in at the start
-    double closing;                // [m/s] d(depth)/dt
-    Vec slip;                      // [m/s] tangential velocity of the particle against the surface
-    // Filled by the force laws.
-    double stiffness = 0;        // [N/m]
-    double mass = 0;             // [kg] effective mass of the stability budget
-    double normal_force = 0;     // [N] >= 0
-    double damping_force = 0;    // [N] part of normal_force that is not stiffness * depth
-    Vec friction = Vec::Zero();  // [N] on the particle
-    Vec force = Vec::Zero();     // [N] on the particle, normal and friction
-};
-
-class TouchList;
-
 /// Finds the contacts of all active particles; the result does not depend on the thread count, nor
 /// on what is skipped.
+///
+/// Particles are taken in blocks: first all pairs of particle and facet that cannot be excluded are
+/// listed, then their closest points are found eight at a time, then each particle's contacts are
+/// chosen among them.
 ///
 /// Most tests end before they begin: of each candidate the distance is known that it had when the
 /// particle was last looked at closely. Until particle and surface together have moved by what that
@@ -74,6 +58,8 @@ class TouchList;
 class Detector {
  public:
     explicit Detector(DetectionRules rules = {}, int threads = 1);
+    Detector(Detector&&) noexcept;
+    ~Detector();
 
     /// The candidates were searched anew, with particles and surface where they are now.
     /// old_row[i]: the former row of active particle i, or -1 if it was not active.
@@ -84,34 +70,32 @@ class Detector {
     /// particle moves by more than step_share * l0 towards a facet it may touch. Particles too slow
     /// to do so within `longest_dt` [s] are not asked: a result above it says only that much.
     double detect(const Points& active, const Surface& surface, const CandidateList& candidates,
-                  double longest_dt, std::vector<Contact>& contacts);
+                  double longest_dt, ContactList& contacts);
     void archive(Archive& a);
 
  private:
-    /// Of an active particle, when its candidates were last looked at closely.
-    struct Look {
-        Vec x;          // [m]
-        double travel;  // [m] travel_ at that time
-        float nearest;  // [m] of its candidates, rounded down
-    };
-    /// Where a particle touched at the step before.
-    struct Side {
-        std::uint32_t facet;
-        std::array<double, 4> weight;
-    };
+    class Work;  // what one thread needs for a block of particles
     void follow(const Surface& surface);
-    void find_touches(const Points& active, const Surface& surface, const CandidateList& candidates,
-                      std::size_t i, TouchList& touches);
+    double find_pairs(const Points& active, const Surface& surface,
+                      const CandidateList& candidates, double longest_dt, std::size_t first,
+                      std::size_t last, Work& work);
+    void note_look(const Points& active, const Work& work);
+    void choose(const Points& active, const Surface& surface, Work& work);
 
     DetectionRules rules_;
     int threads_;
-    std::vector<Look> look_;       // per active particle
-    std::vector<Side> side_, next_side_;  // per active particle
+    // Of each active particle, when its candidates were last looked at closely:
+    std::vector<double> look_x_;        // [m] (A, 3)
+    std::vector<double> look_travel_;   // [m] travel_ at that time
+    std::vector<double> look_nearest_;  // [m] of its candidates, rounded down
+    // Where each active particle touched at the step before; facet no_facet = nowhere.
+    std::vector<std::uint32_t> side_facet_, next_side_facet_;
+    std::vector<std::array<double, 4>> side_weight_, next_side_weight_;
     std::vector<float> distance_;  // [m] per candidate, at its particle's look
     std::vector<double> x_nodes_;  // [m] of the last step
     double travel_ = 0;            // [m] no node has moved farther since the search
     double node_speed_ = 0;        // [m/s] no node is faster
-    std::vector<std::vector<Contact>> per_thread_;
+    std::vector<std::unique_ptr<Work>> work_;  // per thread
 };
 
 }  // namespace undertow::contact

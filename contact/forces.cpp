@@ -24,6 +24,7 @@ constexpr double inside_from = 0.1, out_rate = 0.02;
 
 void ForceLaw::renumber(std::span<const std::int64_t> old_row) {
     next_.assign(old_row.size(), 0);
+    rows_changed_ = true;
     in_contact_.clear();
     for (std::size_t i = 0; i < old_row.size(); ++i) {
         if (old_row[i] < 0 || std::size_t(old_row[i]) >= memory_.size()) continue;
@@ -40,7 +41,7 @@ void ForceLaw::renumber(std::span<const std::int64_t> old_row) {
     inside_.swap(next_inside_);
 }
 
-void ForceLaw::find_start_inside(const Points& active, const std::vector<Contact>& contacts) {
+void ForceLaw::find_start_inside(const Points& active, const ContactList& contacts) {
     for (const Contact& contact : contacts) {
         const std::uint32_t i = contact.particle;
         const double depth = contact.depth / active.radius[i];
@@ -56,17 +57,19 @@ void ForceLaw::find_start_inside(const Points& active, const std::vector<Contact
 }
 
 void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
-                       std::vector<Contact>& contacts) {
+                       ContactList& contacts) {
     if (memory_.size() != active.size()) {
         memory_.assign(active.size(), 0);
         in_contact_.clear();
+        rows_changed_ = true;
     }
     next_.resize(active.size());
     clear(active.size(), surface.nodes());
-    share_masses(surface, contacts);
+    share_masses(contacts);
     if (!started_) find_start_inside(active, contacts);
     if (!settings_.ease_start) inside_.clear();
     started_ = true;
+    take_off_inside(active, contacts);
 
     // Tangential and normal dampers of one contact act at right angles: each may use the whole
     // budget beta + 2 eta that the contact holds of a node, and never more than stops the slip.
@@ -84,35 +87,77 @@ void ForceLaw::compute(const Points& active, const Surface& surface, double dt,
         with_friction(CoulombFriction{settings_.mu, eta_t, dt});
     else
         with_friction(ViscousFriction{settings_.alpha, settings_.mu, eta_t, dt});
-    sum(surface, contacts);
+    sum(contacts);
 }
 
 void ForceLaw::clear(std::size_t particles, std::size_t nodes) {
     node_sum_.resize(nodes);
-    is_touched_.resize(nodes, 0);
     node_force_.resize(3 * nodes, 0);
     for (std::int32_t node : touched_) {
         node_sum_[node] = {};
-        is_touched_[node] = 0;
         for (int axis = 0; axis < 3; ++axis) node_force_[3 * std::size_t(node) + axis] = 0;
     }
     touched_.clear();
-    contacts_of_.assign(particles, 0);
-    particle_sum_.assign(3 * particles, 0);
-    particle_force_.assign(3 * particles, 0);
+    if (rows_changed_ || particle_sum_.size() != 3 * particles) {
+        contacts_of_.assign(particles, 0);
+        particle_sum_.assign(3 * particles, 0);
+        particle_force_.assign(3 * particles, 0);
+    } else {
+        for (std::uint32_t i : in_contact_) {
+            contacts_of_[i] = 0;
+            for (int axis = 0; axis < 3; ++axis)
+                particle_sum_[3 * std::size_t(i) + axis] = 0,
+                                              particle_force_[3 * std::size_t(i) + axis] = 0;
+        }
+    }
+    rows_changed_ = false;
 }
 
 /// S_a and c_i of the effective masses.
-void ForceLaw::share_masses(const Surface& surface, const std::vector<Contact>& contacts) {
-    for (const Contact& contact : contacts) {
-        ++contacts_of_[contact.particle];
-        const std::int32_t* q = surface.corners(contact.facet);
+void ForceLaw::share_masses(const ContactList& contacts) {
+    for (std::size_t p = 0; p < contacts.packs(); ++p) {
+        const ContactPack& pack = contacts.pack(p);
+        const int lanes = contacts.lanes(p);
+        for (int lane = 0; lane < lanes; ++lane)
+            contacts_of_[std::size_t(pack.particle[lane])] += 1;
         for (int a = 0; a < 4; ++a) {
-            node_sum_[q[a]].share += std::llrint(contact.weight[a] * one_share);
-            if (is_touched_[q[a]]) continue;
-            is_touched_[q[a]] = 1;
-            touched_.push_back(q[a]);
+            const LaneWholes share = rounded(pack.weight[a] * spread<Lanes>(one_share));
+            for (int lane = 0; lane < lanes; ++lane) {
+                const std::int32_t node = pack.node[a][lane];
+                std::int64_t& sum = node_sum_[std::size_t(node)].share;
+                if (sum == untouched) {
+                    sum = 0;
+                    touched_.push_back(node);
+                }
+                sum += share[lane];
+            }
         }
+    }
+}
+
+/// What a particle was in at the start does not count.
+void ForceLaw::take_off_inside(const Points& active, ContactList& contacts) {
+    if (inside_.empty()) return;
+    inside_.resize(active.size(), 0);
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+        ContactPack& pack = contacts.pack(c / lane_count);
+        double& inside = inside_[contacts.particle(c)];
+        double depth = pack.depth[c % lane_count];
+        inside = std::min(inside, depth);
+        depth -= inside;
+        pack.depth[c % lane_count] = depth;
+    }
+    contacts.fill_lanes_beyond();
+}
+
+/// ... and is given back slowly.
+void ForceLaw::ease_out(const Points& active, double dt, const ContactPack& pack, int lanes,
+                        const Lanes& m_c) {
+    for (int lane = 0; lane < lanes; ++lane) {
+        const std::size_t i = std::size_t(pack.particle[lane]);
+        if (inside_[i] > 0)
+            inside_[i] = std::max(0.0, inside_[i] - out_rate * active.radius[i] *
+                                           std::sqrt(pack.stiffness[lane] / m_c[lane]) * dt);
     }
 }
 
@@ -120,96 +165,115 @@ void ForceLaw::share_masses(const Surface& surface, const std::vector<Contact>& 
 template <typename Stiffness, typename Friction>
 void ForceLaw::push(const Stiffness& stiffness_of, double dt, const NormalDamping& damping,
                     const Friction& friction, const Points& active, const Surface& surface,
-                    std::vector<Contact>& contacts) {
+                    ContactList& contacts) {
     former_.swap(in_contact_);
     in_contact_.clear();
-    double largest = 0, health = 0;  // health is NaN as soon as one force is NaN or infinite
-    for (Contact& contact : contacts) {
-        const std::int32_t* q = surface.corners(contact.facet);
-        double inverse = (settings_.scale_by_valence ? contacts_of_[contact.particle] : 1) /
-                         active.mass[contact.particle];
+    const Lanes none = spread<Lanes>(0);
+    Lanes largest = none, health = none;  // health is NaN as soon as one force is NaN or infinite
+    for (std::size_t p = 0; p < contacts.packs(); ++p) {
+        ContactPack& c = contacts.pack(p);
+        Lanes inverse = spread<Lanes>(1);
+        if (settings_.scale_by_valence) inverse = gather(contacts_of_.data(), c.particle);
+        inverse = inverse / gather(active.mass.data(), c.particle);
         for (int a = 0; a < 4; ++a) {
-            const double share = settings_.scale_by_valence
-                                     ? double(node_sum_[q[a]].share) * (1 / one_share)
-                                     : contact.weight[a];
-            inverse += contact.weight[a] * share * surface.inverse_mass(q[a]);
+            const Lanes share = settings_.scale_by_valence
+                                    ? gather_wholes(&node_sum_[0].share, 4 * c.node[a]) *
+                                          (1 / one_share)
+                                    : c.weight[a];
+            inverse = inverse + c.weight[a] * share * gather(surface.inverse_masses(), c.node[a]);
         }
-        const double m_c = 1 / inverse;
-        double* inside = inside_.empty() ? nullptr : &inside_[contact.particle];
-        if (inside) {
-            *inside = std::min(*inside, contact.depth);
-            contact.depth -= *inside;
-        }
+        const Lanes m_c = 1 / inverse;
 
         // Within a contact the stiffness falls or stays.
-        const double before = memory_[contact.particle];
-        double k = stiffness_of(m_c, active.stiffness[contact.particle]);
-        if (before > 0) {
-            k = std::min(k, before);
-        }
+        const Lanes before = gather(memory_.data(), c.particle);
+        Lanes k = stiffness_of(m_c, gather(active.stiffness.data(), c.particle));
+        k = select(less(none, before), smaller(k, before), k);
         // A particle in a corner remembers the softest of its contacts. Whoever has left the
         // surface has no entry and starts anew at the next touch.
-        double& next = next_[contact.particle];
-        if (next == 0) {
-            next = k;
-            in_contact_.push_back(contact.particle);
-        } else {
-            next = std::min(next, k);
+        for (int lane = 0; lane < contacts.lanes(p); ++lane) {
+            double& next = next_[std::size_t(c.particle[lane])];
+            if (next == 0) {
+                next = k[lane];
+                in_contact_.push_back(std::uint32_t(c.particle[lane]));
+            } else {
+                next = std::min<double>(next, k[lane]);
+            }
         }
 
         /// f_n = max(0, k d + c dd/dt) n: no adhesion.  [N]  [Wang 2024, Eq. 8]
-        const double elastic = k * contact.depth;
-        const double f_n = std::max(0.0, elastic + damping(m_c, k) * contact.closing);
-        const double speed = contact.slip.norm();
-        const double drag = friction(m_c, f_n, speed);
-        contact.mass = m_c;
-        contact.stiffness = k;
-        contact.normal_force = f_n;
-        contact.damping_force = f_n - elastic;
-        if (inside && *inside > 0)
-            *inside = std::max(0.0, *inside - out_rate * active.radius[contact.particle] *
-                                                  std::sqrt(k / m_c) * dt);
-        contact.friction = (speed > 0 ? -drag / speed : 0.0) * contact.slip;
-        contact.force = f_n * contact.normal + contact.friction;
-        largest = std::max(largest, contact.force.cwiseAbs().maxCoeff());
-        health += 0 * contact.force.sum();
+        const Lanes elastic = k * c.depth;
+        const Lanes f_n = larger(none, elastic + damping(m_c, k) * c.closing);
+        const Lanes speed = norm(c.slip);
+        const Lanes drag = friction(m_c, f_n, speed);
+        c.stiffness = k;
+        c.normal_force = f_n;
+        c.damping_force = f_n - elastic;
+        c.drag = select(less(none, speed), drag / speed, none);
+        if (!inside_.empty()) ease_out(active, dt, c, contacts.lanes(p), m_c);
+        const Three<Lanes> force = c.force();
+        for (const Lanes* component : {&force.x, &force.y, &force.z}) {
+            const Lanes size = larger(*component, -*component);
+            largest = larger(largest, size);
+            health = health + 0 * *component;
+        }
     }
     for (std::uint32_t i : former_) memory_[i] = 0;
     memory_.swap(next_);  // next_ is all empty again
-    largest_ = largest;
-    finite_ = health == 0;
+    largest_ = 0;
+    double sick = 0;
+    for (int lane = 0; lane < lane_count; ++lane) {
+        largest_ = std::max<double>(largest_, largest[lane]);
+        sick += health[lane];
+    }
+    finite_ = sick == 0;
 }
 
-void ForceLaw::sum(const Surface& surface, const std::vector<Contact>& contacts) {
+void ForceLaw::sum(const ContactList& contacts) {
     quantum_ = 0;
     // Forces whose quantum would be no normal number are zero for every purpose.
     if (!finite_ || largest_ <= std::ldexp(std::numeric_limits<double>::min(), force_bits + 1))
         return;
     quantum_ = std::ldexp(1.0, std::ilogb(largest_) + 1 - force_bits);
-    const double per_quantum = 1 / quantum_;
-    for (const Contact& contact : contacts) {
-        const std::int32_t* q = surface.corners(contact.facet);
-        int rest = 0;  // the node with the largest weight takes the remainder: nothing is lost
-        for (int a = 1; a < 4; ++a)
-            if (contact.weight[a] > contact.weight[rest]) rest = a;
-        std::array<std::int64_t, 3> left;
-        for (int axis = 0; axis < 3; ++axis) {
-            left[axis] = std::llrint(contact.force[axis] * per_quantum);
-            particle_sum_[3 * std::size_t(contact.particle) + axis] += left[axis];
+    const Lanes per_quantum = spread<Lanes>(1 / quantum_);
+    for (std::size_t p = 0; p < contacts.packs(); ++p) {
+        const ContactPack& c = contacts.pack(p);
+        const Three<Lanes> force = c.force();
+        const LaneWholes whole[3] = {rounded(force.x * per_quantum), rounded(force.y * per_quantum),
+                                     rounded(force.z * per_quantum)};
+        // The node with the largest weight takes the remainder: nothing is lost.
+        Lanes heaviest = c.weight[0];
+        LaneMask rest[4] = {first_lanes(lane_count), first_lanes(0), first_lanes(0),
+                            first_lanes(0)};
+        for (int a = 1; a < 4; ++a) {
+            const LaneMask more = less(heaviest, c.weight[a]);
+            heaviest = select(more, c.weight[a], heaviest);
+            for (int b = 0; b < a; ++b) rest[b] = without(rest[b], more);
+            rest[a] = more;
         }
-        const std::array<std::int64_t, 3> whole = left;
-        for (int a = 0; a < 4; ++a) {
-            if (a == rest) continue;
-            for (int axis = 0; axis < 3; ++axis) {
-                const std::int64_t part = std::llrint(contact.weight[a] * double(whole[axis]));
-                node_sum_[q[a]].force[axis] -= part;
-                left[axis] -= part;
+        LaneWholes part[4][3];
+        for (int axis = 0; axis < 3; ++axis) {
+            LaneWholes left = whole[axis];
+            for (int a = 0; a < 4; ++a) {
+                part[a][axis] = rounded(c.weight[a] * as_numbers(whole[axis]));
+                left = left - part[a][axis];
+            }
+            for (int a = 0; a < 4; ++a)
+                part[a][axis] = select(rest[a], part[a][axis] + left, part[a][axis]);
+        }
+        const int lanes = contacts.lanes(p);
+        for (int lane = 0; lane < lanes; ++lane) {
+            std::int64_t* on_particle = &particle_sum_[3 * std::size_t(c.particle[lane])];
+            for (int axis = 0; axis < 3; ++axis) on_particle[axis] += whole[axis][lane];
+            for (int a = 0; a < 4; ++a) {
+                NodeSum& on_node = node_sum_[c.node[a][lane]];
+                for (int axis = 0; axis < 3; ++axis) on_node.force[axis] -= part[a][axis][lane];
             }
         }
-        for (int axis = 0; axis < 3; ++axis) node_sum_[q[rest]].force[axis] -= left[axis];
     }
-    for (std::size_t i = 0; i < particle_sum_.size(); ++i)
-        particle_force_[i] = double(particle_sum_[i]) * quantum_;
+    for (std::uint32_t i : in_contact_)
+        for (int axis = 0; axis < 3; ++axis)
+            particle_force_[3 * std::size_t(i) + axis] =
+                double(particle_sum_[3 * std::size_t(i) + axis]) * quantum_;
     for (std::int32_t node : touched_)
         for (int axis = 0; axis < 3; ++axis)
             node_force_[3 * std::size_t(node) + axis] =

@@ -18,6 +18,7 @@
 // a spring that is drawn at that speed swings by 0.02 l0.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -56,7 +57,7 @@ class ForceLaw {
 
     /// Fills in stiffness and forces of the contacts, then sums them.
     void compute(const Points& active, const Surface& surface, double dt,
-                 std::vector<Contact>& contacts);
+                 ContactList& contacts);
 
     /// Who started inside: number of particles, the deepest in l0 and its identity.
     struct StartInside {
@@ -68,6 +69,8 @@ class ForceLaw {
 
     std::span<const double> on_particles() const { return particle_force_; }  // [N] (A, 3)
     std::span<const double> on_nodes() const { return node_force_; }          // [N] (N, 3)
+    /// Active rows in contact, each once: all others have no force.
+    std::span<const std::uint32_t> touching() const { return in_contact_; }
     /// Nodes of the facets in contact, each once: all others have no force.
     std::span<const std::int32_t> touched_nodes() const { return touched_; }
     /// What is remembered from step to step.
@@ -78,14 +81,17 @@ class ForceLaw {
     double momentum_residual() const;
 
  private:
-    void find_start_inside(const Points& active, const std::vector<Contact>& contacts);
-    void share_masses(const Surface& surface, const std::vector<Contact>& contacts);
+    void find_start_inside(const Points& active, const ContactList& contacts);
+    void share_masses(const ContactList& contacts);
     template <typename Stiffness, typename Friction>
     void push(const Stiffness& stiffness, double dt, const NormalDamping& damping,
               const Friction& friction, const Points& active, const Surface& surface,
-              std::vector<Contact>& contacts);
-    void sum(const Surface& surface, const std::vector<Contact>& contacts);
+              ContactList& contacts);
+    void sum(const ContactList& contacts);
     void clear(std::size_t particles, std::size_t nodes);
+    void take_off_inside(const Points& active, ContactList& contacts);
+    void ease_out(const Points& active, double dt, const ContactPack& pack, int lanes,
+                  const Lanes& m_c);
 
     LawSettings settings_;
     // [N/m] of each active particle's contact so far; 0 = not in contact
@@ -94,18 +100,19 @@ class ForceLaw {
     StartInside start_inside_;
     bool started_ = false;
     std::vector<std::uint32_t> in_contact_, former_;  // active rows with an entry in memory_
-    // Per node: S_a (1 = 2^40), sum of forces [quantum] and whether it is touched. Where no contact
-    // is they stay zero, and only what was touched is cleared: most of a surface is dry.
+    // Per node: S_a (1 = 2^40) and sum of forces [quantum]. Where no contact is they stay as they
+    // are, and only what was touched is cleared: most of a surface is dry.
+    static constexpr std::int64_t untouched = std::numeric_limits<std::int64_t>::min();
     struct NodeSum {
-        std::int64_t share = 0;
+        std::int64_t share = untouched;
         std::array<std::int64_t, 3> force{};
     };
     std::vector<NodeSum> node_sum_;
-    std::vector<std::uint8_t> is_touched_;
     std::vector<std::int32_t> touched_;
-    std::vector<std::uint8_t> contacts_of_;            // c_i per active particle
+    std::vector<double> contacts_of_;                  // c_i per active particle
     std::vector<std::int64_t> particle_sum_;           // [quantum]
     std::vector<double> particle_force_, node_force_;  // [N]
+    bool rows_changed_ = true;  // since the last step: forces are of other rows
     double largest_ = 0;                               // [N] component of a contact force
     double quantum_ = 0;                               // [N]
     bool finite_ = true;

@@ -11,8 +11,9 @@
 // (Cauchy-Schwarz, element by element). For one contact per node it is m_i m_n/(m_i + m_n) of Eq.
 // 11; S_a, unlike a count of contacts, does not jump when a particle slides past a node.
 
-#include <algorithm>
-#include <cmath>
+// One source for a number and for lanes of numbers (T): the kernel takes eight contacts at once.
+
+#include "contact/lanes.hpp"
 
 namespace undertow::contact {
 
@@ -21,7 +22,10 @@ namespace undertow::contact {
 struct Eq11Stiffness {
     double beta;  // (omega dt)^2
     double dt;    // [s]
-    double operator()(double mass, double /*natural*/) const { return beta * mass / (dt * dt); }
+    template <typename T>
+    T operator()(const T& mass, const T& /*natural*/) const {
+        return beta * mass / (dt * dt);
+    }
 };
 
 /// k = min(beta m_c/dt^2, chi rho c0^2 dx)  [N/m]: a contact no stiffer than the particle itself,
@@ -29,8 +33,9 @@ struct Eq11Stiffness {
 struct FluidStiffness {
     Eq11Stiffness limit;
     double chi;
-    double operator()(double mass, double natural) const {
-        return std::min(limit(mass, natural), chi * natural);
+    template <typename T>
+    T operator()(const T& mass, const T& natural) const {
+        return smaller<T>(limit(mass, natural), chi * natural);
     }
 };
 
@@ -40,10 +45,11 @@ struct FluidStiffness {
 struct NormalDamping {
     double beta, eta;
     double dt;  // [s]
-    double operator()(double mass, double stiffness) const {
-        if (eta <= 0) return 0;
-        const double spare = std::max(0.0, beta - stiffness * dt * dt / mass);
-        return std::min(2 * std::sqrt(stiffness * mass), (eta + 0.5 * spare) * mass / dt);
+    template <typename T>
+    T operator()(const T& mass, const T& stiffness) const {
+        if (eta <= 0) return spread<T>(0);
+        const T spare = larger<T>(spread<T>(0), beta - stiffness * dt * dt / mass);
+        return smaller<T>(2 * square_root(stiffness * mass), (eta + 0.5 * spare) * mass / dt);
     }
 };
 
@@ -53,8 +59,9 @@ struct CoulombFriction {
     double mu;
     double eta_t;  // <= 1: a sticking particle is slowed, never reversed
     double dt;     // [s]
-    double operator()(double mass, double normal_force, double speed) const {
-        return std::min(eta_t * mass * speed / dt, mu * normal_force);
+    template <typename T>
+    T operator()(const T& mass, const T& normal_force, const T& speed) const {
+        return smaller<T>(eta_t * mass * speed / dt, mu * normal_force);
     }
 };
 
@@ -66,9 +73,10 @@ struct ViscousFriction {
     double mu;     // 0 = no limit
     double eta_t;
     double dt;  // [s]
-    double operator()(double mass, double normal_force, double speed) const {
-        const double viscous = std::min(alpha, eta_t * mass / dt) * speed;
-        return mu > 0 ? std::min(viscous, mu * normal_force) : viscous;
+    template <typename T>
+    T operator()(const T& mass, const T& normal_force, const T& speed) const {
+        const T viscous = smaller<T>(spread<T>(alpha), eta_t * mass / dt) * speed;
+        return mu > 0 ? smaller<T>(viscous, mu * normal_force) : viscous;
     }
 };
 

@@ -18,6 +18,9 @@
 //     turning     the depth is not what the velocities say: the normal turned, the contact went to
 //                 another facet, a solver moved a point otherwise than by its velocity
 //     uneven      dt changes: the last term above
+// Sums run in eight lanes, contact c in lane c mod 8, and the lanes are added up at the end: the
+// result does not depend on who computes it.
+//
 // Works come from forces and velocities of particles and nodes, everything else from the contacts:
 // what is left over is round-off, or a force that was not what its contact says.
 
@@ -78,8 +81,8 @@ class Ledger {
 
     /// Books the kept step with its contacts, and what became of them in the present step, whose
     /// forces are known. v_particles [m/s] (A', 3) at n+1/2.
-    void book(const std::vector<Contact>& contacts, std::span<const double> v_particles,
-              const RowChanges& rows, const Surface& surface, const std::vector<Contact>& present);
+    void book(const ContactList& contacts, std::span<const double> v_particles,
+              const RowChanges& rows, const Surface& surface, const ContactList& present);
 
     const InterfaceEnergy& energy() const { return energy_; }
     void archive(Archive& a);
@@ -87,20 +90,29 @@ class Ledger {
  private:
     void book_work(std::span<const double> v_particles, const RowChanges& rows,
                    const Surface& surface);
-    void book_contacts(const std::vector<Contact>& contacts, std::span<const double> v_particles,
+    void book_contacts(const ContactList& contacts, std::span<const double> v_particles,
                        const RowChanges& rows, const Surface& surface);
-    void book_changes(const std::vector<Contact>& contacts, const RowChanges& rows,
-                      const std::vector<Contact>& present);
+    void book_changes(const ContactList& contacts, const RowChanges& rows,
+                      const ContactList& present);
 
-    struct KeptNode {
-        std::uint32_t node;
-        Vec force;  // [N]
-        Vec v;      // [m/s] at n - 1/2
+    /// Eight touched nodes; lanes beyond the last have no force.
+    struct alignas(64) KeptNodes {
+        LaneRows node{}, none{};  // the second fills the line: every byte goes into checkpoints
+        Three<Lanes> force;  // [N]
+        Three<Lanes> v;      // [m/s] at n - 1/2
     };
+    Three<Lanes> velocity_after(const ContactPack& pack, std::span<const double> v_particles,
+                                const RowChanges& rows) const;
+    bool follow_pack(const ContactList& contacts, const RowChanges& rows,
+                     const ContactList& present, std::size_t p, Lanes& penalty, Lanes& turning,
+                     Lanes& relaxation);
+    void follow_one(const ContactList& contacts, const RowChanges& rows,
+                    const ContactList& present, std::size_t p, int lane, Lanes& penalty,
+                    Lanes& impact, Lanes& turning, Lanes& relaxation);
 
     InterfaceEnergy energy_;
     std::vector<double> force_, v_;  // [N], [m/s] of the active particles, (A, 3)
-    std::vector<KeptNode> nodes_;
+    std::vector<KeptNodes> nodes_;
     std::vector<double> ahead_;         // [m] d+ of each contact of the kept step
     std::vector<std::int32_t> follow_;  // of each, the present contact that carries it on, or -1
     std::vector<std::int32_t> first_;   // of each kept active row, its first contact, or -1

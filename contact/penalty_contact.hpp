@@ -55,7 +55,7 @@ class PenaltyContact {
 
     std::span<const double> on_particles() const { return law_.on_particles(); }  // [N] (A, 3)
     std::span<const double> on_nodes() const { return law_.on_nodes(); }          // [N] (N, 3)
-    const std::vector<Contact>& contacts() const { return contacts_; }
+    const ContactList& contacts() const { return contacts_; }
     const Surface& surface() const { return surface_; }
     const InterfaceEnergy& energy() const { return ledger_.energy(); }
     double kick() const { return kick_; }  // [s] (dt^{n-1} + dt^n)/2 of this step
@@ -75,7 +75,7 @@ class PenaltyContact {
     Ledger ledger_;
     FacetCells cells_;
     CandidateList candidates_;
-    std::vector<Contact> contacts_, former_contacts_;
+    ContactList contacts_, former_contacts_;
 
     std::span<const double> x_, v_;                  // active points at this step
     std::vector<double> x_rebuilt_, v_rebuilt_;      // copies of a rebuild's active rows

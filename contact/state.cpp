@@ -5,20 +5,13 @@
 
 namespace undertow::contact {
 
-namespace {
-
-void archive_contacts(Archive& a, const char* name, std::vector<Contact>& contacts) {
-    const auto fields = [](Contact& c) {
-        return std::tie(c.particle, c.facet, c.weight, c.point[0], c.point[1], c.point[2],
-                        c.normal[0], c.normal[1], c.normal[2], c.depth, c.closing, c.slip[0],
-                        c.slip[1], c.slip[2], c.stiffness, c.mass, c.normal_force,
-                        c.damping_force, c.friction[0], c.friction[1], c.friction[2], c.force[0],
-                        c.force[1], c.force[2]);
-    };
-    a.rows(name, contacts, fields);
+/// Packs as they are: what follows from a contact must follow in every bit.
+void ContactList::archive(Archive& a) {
+    std::vector<ContactPack> packs(pack_.begin(), pack_.begin() + std::ptrdiff_t(this->packs()));
+    a("size", size_);
+    a.flat<std::int32_t>("packs", packs);
+    if (a.reading()) pack_ = std::move(packs);
 }
-
-}  // namespace
 
 void ForceLaw::archive(Archive& a) {
     a("memory", memory_);
@@ -32,10 +25,12 @@ void ForceLaw::archive(Archive& a) {
 }
 
 void Detector::archive(Archive& a) {
-    a.rows("look", look_,
-           [](Look& l) { return std::tie(l.x[0], l.x[1], l.x[2], l.travel, l.nearest); });
+    a("look_x", look_x_);
+    a("look_travel", look_travel_);
+    a("look_nearest", look_nearest_);
     a("distance", distance_);
-    a.rows("side", side_, [](Side& s) { return std::tie(s.facet, s.weight); });
+    a("side_facet", side_facet_);
+    a.rows("side_weight", side_weight_, [](std::array<double, 4>& w) { return std::tie(w); });
     a("x_nodes", x_nodes_);
     a("travel", travel_);
     a("node_speed", node_speed_);
@@ -45,9 +40,7 @@ void Ledger::archive(Archive& a) {
     a.flat<double>("energy", energy_);
     a("force", force_);
     a("v", v_);
-    a.rows("nodes", nodes_, [](KeptNode& n) {
-        return std::tie(n.node, n.force[0], n.force[1], n.force[2], n.v[0], n.v[1], n.v[2]);
-    });
+    a.flat<std::int32_t>("nodes", nodes_);
     a.flat<double>("step", step_);
 }
 
@@ -59,7 +52,7 @@ void PenaltyContact::archive(Archive& a) {
     a("start", candidates_.start);
     a("facet", candidates_.facet);
     a("distance", candidates_.distance);
-    archive_contacts(a, "contacts", contacts_);
+    a.object("contacts", contacts_);
     a("mass", mass_);
     a("radius", radius_);
     a("stiffness", stiffness_);

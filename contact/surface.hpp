@@ -33,7 +33,7 @@ class Surface {
     std::size_t nodes() const { return mass_.size(); }
     const std::int32_t* corners(std::uint32_t facet) const { return &quad_[4 * facet]; }
     double mass(std::int32_t node) const { return mass_[node]; }
-    double inverse_mass(std::int32_t node) const { return inverse_mass_[node]; }  // [1/kg]
+    const double* inverse_masses() const { return inverse_mass_.data(); }  // [1/kg] (N)
 
     /// Positions and velocities of this step, (N, 3) each; kept by reference until the next call.
     void move(std::span<const double> x, std::span<const double> v);

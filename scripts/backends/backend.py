@@ -129,8 +129,8 @@ def grid(n_u, n_v):
 
 
 def stable_factor(contact_share):
-    """lambda of lambda * 2/omega: 0.9, less where contact takes its share, lambda^2 <= 1 - share/4."""
-    return min(0.9, np.sqrt(max(1 - contact_share / 4, 0.01)))
+    """lambda of lambda * 2/omega: 0.9, less where contact takes its share, lambda^2 <= 1 - 3 share/8."""
+    return min(0.9, np.sqrt(max(1 - 3 * contact_share / 8, 0.01)))
 
 
 class Energies:

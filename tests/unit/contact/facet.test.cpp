@@ -1,5 +1,7 @@
 #include "contact/facet.hpp"
 
+#include "contact/facet_lanes.hpp"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -91,4 +93,47 @@ TEST_CASE("neighboring quads are watertight: at the common edge both give the sa
         CHECK(closest_point(on_edge, left).distance < 1e-15);
         CHECK(closest_point(on_edge, right).distance < 1e-15);
     }
+}
+
+TEST_CASE("eight closest points at once are those of one after the other: weights and offsets bit for bit") {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> any(-0.3, 1.3);
+    // Warped quads and triangles in a fan of shared corners; feet in all regions.
+    std::vector<double> x;
+    std::vector<std::int32_t> quad;
+    for (int n = 0; n < 40; ++n)
+        for (int axis = 0; axis < 3; ++axis) x.push_back(any(random));
+    for (int f = 0; f < 64; ++f) {
+        const std::int32_t first = std::int32_t(random() % 37);
+        quad.insert(quad.end(), {first, first + 1, first + 2, f % 3 ? first + 3 : first + 2});
+    }
+    Surface surface(quad, std::vector<double>(40, 1));
+    surface.move(x, x);
+    std::array<int, 16> seen{};
+    for (int run = 0; run < 4000; ++run) {
+        Three<Lanes> point;
+        LaneRows facet;
+        for (int lane = 0; lane < lane_count; ++lane) {
+            facet[lane] = std::int32_t(random() % 64);
+            point.x[lane] = any(random), point.y[lane] = any(random), point.z[lane] = any(random);
+        }
+        if (run % 7 == 0)  // triangles alone
+            for (int lane = 0; lane < lane_count; ++lane) facet[lane] = 3 * (facet[lane] / 3);
+        const LaneFeet feet = closest_points(point, surface, facet);
+        for (int lane = 0; lane < lane_count; ++lane) {
+            const Foot foot =
+                closest_point(Vec(point.x[lane], point.y[lane], point.z[lane]),
+                              surface.shape(std::uint32_t(facet[lane])));
+            for (int a = 0; a < 4; ++a) REQUIRE(feet.weight[a][lane] == foot.weight[a]);
+            REQUIRE(feet.distance[lane] == foot.distance);
+            REQUIRE(Vec(feet.offset.x[lane], feet.offset.y[lane], feet.offset.z[lane]) ==
+                    foot.offset);
+            // Tells sides only: which product of a cross product is fused is the compiler's choice.
+            const Vec normal(feet.normal.x[lane], feet.normal.y[lane], feet.normal.z[lane]);
+            REQUIRE((normal - foot.normal).norm() < 1e-14);
+            REQUIRE(int(feet.rim[lane]) == foot.rim);
+            ++seen[foot.rim];
+        }
+    }
+    for (int rim : {0, 1, 2, 4, 8, 3, 6, 12, 9, 5}) CHECK(seen[rim] > 20);
 }

@@ -65,7 +65,7 @@ TEST_CASE("shuffled contacts give the same forces, bit for bit") {
     Crowd crowd;
     PenaltyContact contact(crowd.plate.surface(), frictional());
     contact.rebuild(crowd.particles.points(), 0.01, crowd.plate.x, crowd.plate.v);
-    std::vector<Contact> contacts = contact.contacts();
+    std::vector<Contact> contacts = contact.contacts().rows();
     Surface surface = crowd.plate.surface();
     surface.move(crowd.plate.x, crowd.plate.v);
     // Without a search every particle is active, and contacts name active rows.
@@ -75,9 +75,10 @@ TEST_CASE("shuffled contacts give the same forces, bit for bit") {
     std::mt19937 random(3);
     for (int step = 0; step < 3;
          ++step) {  // later steps use what is remembered of the earlier ones
-        ordered.compute(crowd.particles.points(), surface, 1e-3 / (1 + step), contacts);
-        std::vector<Contact> mixed = contacts;
-        std::shuffle(mixed.begin(), mixed.end(), random);
+        ContactList in_order(contacts, surface.corners(0));
+        ordered.compute(crowd.particles.points(), surface, 1e-3 / (1 + step), in_order);
+        std::shuffle(contacts.begin(), contacts.end(), random);
+        ContactList mixed(contacts, surface.corners(0));
         shuffled.compute(crowd.particles.points(), surface, 1e-3 / (1 + step), mixed);
         REQUIRE(std::equal(ordered.on_nodes().begin(), ordered.on_nodes().end(),
                            shuffled.on_nodes().begin()));
@@ -197,7 +198,7 @@ TEST_CASE("the budget left by a soft spring goes to damping, critical at most") 
 }
 
 TEST_CASE("viscous friction is limited by Coulomb only when a coefficient is given") {
-    CHECK(ViscousFriction{3, 0, 0.2, 1e-3}(1, 10, 5) == Approx(15));
-    CHECK(ViscousFriction{3, 0.5, 0.2, 1e-3}(1, 10, 5) == Approx(5));
-    CHECK(ViscousFriction{1e9, 0, 0.2, 1e-3}(1, 10, 5) == Approx(0.2 * 1 / 1e-3 * 5));  // stability
+    CHECK(ViscousFriction{3, 0, 0.2, 1e-3}(1.0, 10.0, 5.0) == Approx(15));
+    CHECK(ViscousFriction{3, 0.5, 0.2, 1e-3}(1.0, 10.0, 5.0) == Approx(5));
+    CHECK(ViscousFriction{1e9, 0, 0.2, 1e-3}(1.0, 10.0, 5.0) == Approx(0.2 * 1 / 1e-3 * 5));  // stability
 }

@@ -22,12 +22,12 @@ struct PressedEnergies {
     double early = 0, late = 0;  // [J] largest kinetic energy in the first tenth, and after
 };
 
-/// The budget of section 3 of docs/theory_contact.md: beta + 2 eta <= 4 (1 - cfl^2), and no more
-/// than the defaults. Without damping all of it may be stiffness.
-inline LawSettings within_budget(double cfl, bool damped) {
+/// The budget of section 3 of docs/theory_contact.md: beta + 2 eta <= 2/3 of 4 (1 - cfl^2), and no
+/// more than the defaults. Without damping all of it may be stiffness.
+inline LawSettings within_budget(double cfl, bool damped, double share_of_rest = 2.0 / 3) {
     LawSettings law;
     law.stiffness = StiffnessKind::eq11;
-    const double budget = 4 * (1 - cfl * cfl);
+    const double budget = share_of_rest * 4 * (1 - cfl * cfl);
     const double share = std::min(1.0, budget / (law.beta + (damped ? 2 * law.eta : 0)));
     law.beta *= share;
     law.eta = damped ? share * law.eta : 0;

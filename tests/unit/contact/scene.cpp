@@ -38,7 +38,7 @@ std::vector<Contact> contacts_at(const Nodes& nodes, const Vec& x, double l0) {
     particles.add(x, Vec::Zero(), 1, l0, 1);
     PenaltyContact contact(nodes.surface(), {});
     contact.rebuild(particles.points(), 0.1 * l0, nodes.x, nodes.v);
-    return contact.contacts();
+    return contact.contacts().rows();
 }
 
 World::World(Nodes n, Particles p, const LawSettings& law, double skin)
