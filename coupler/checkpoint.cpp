@@ -95,6 +95,7 @@ void Coupler::archive(Archive& a) {
     a.object("budget", *budget_);
     a.object("figures", *figures_);
     a.object("recorder", *recorder_);
+    a.object("pressure", *pressure_);
     a("last_dt", step_.dt);
     a("last_t1", step_.t1);
     a("last_limiter", step_.limiter);

@@ -73,6 +73,7 @@ int Coupler::run_loop() {
         participants_.receive();
         if (from_ && n_ == from_->step) resume();
         const std::string reason = reason_to_end();
+        if (n_ == 0 || step_.output) write_fields();
         if (checkpoint_due(reason)) write_checkpoint();
         if (!reason.empty()) return finish(reason);
 
@@ -104,6 +105,8 @@ void Coupler::prepare() {
                                              input_.coupling.skin * 2 * particles.radius);
     recorder_ = std::make_unique<Recorder>(options_.folder, input_, joint_, particles.groups,
                                            from_ ? FileStart::continued : FileStart::fresh);
+    pressure_ = std::make_unique<PressureField>(options_.folder, joint_,
+                                                from_ ? FileStart::continued : FileStart::fresh);
     figures_ = std::make_unique<RunFigures>();
     log_info("coupled surface: " + std::to_string(joint_.quad.size() / 4) + " facets, " +
              std::to_string(joint_.mass.size()) + " nodes, " + std::to_string(joint_.names.size()) +
@@ -243,6 +246,7 @@ void Coupler::report_start_inside() const {
 
 void Coupler::record(const AgreedStep& step) {
     recorder_->record({t_, step.dt}, *contact_, phase_);
+    pressure_->count(*contact_);
     figures_->count(step, *contact_);
     step_ = step;
     if (progress_.due()) progress_.update(live());
@@ -255,8 +259,15 @@ ProgressFigures Coupler::live(std::string doing) const {
     return figures;
 }
 
+/// At the times at which the participants write theirs: at the end after the last checkpoint, which
+/// a run that goes on must not find in it.
+void Coupler::write_fields() {
+    pressure_->write(t_, participants_.surface_state().x);
+}
+
 int Coupler::finish(const std::string& reason) {
     recorder_->finish(*contact_);
+    write_fields();
     participants_.finish(n_, reason);
     progress_.finish(live());
     figures_->write(options_.folder + "/summary.coupler.json", reason, t_, participants_,

@@ -14,6 +14,7 @@
 #include "contact/penalty_contact.hpp"
 #include "coupler/joint_surface.hpp"
 #include "coupler/participants.hpp"
+#include "coupler/pressure_field.hpp"
 #include "coupler/recorder.hpp"
 #include "coupler/run_figures.hpp"
 #include "coupler/search_budget.hpp"
@@ -50,6 +51,7 @@ class Coupler {
     void send_forces(const AgreedStep& step);
     void report_start_inside() const;
     void record(const AgreedStep& step);
+    void write_fields();
     ProgressFigures live(std::string doing = {}) const;
     int finish(const std::string& reason);
     // checkpoint.cpp:
@@ -73,6 +75,7 @@ class Coupler {
     std::unique_ptr<contact::PenaltyContact> contact_;
     std::unique_ptr<SearchBudget> budget_;
     std::unique_ptr<Recorder> recorder_;
+    std::unique_ptr<PressureField> pressure_;
     std::unique_ptr<RunFigures> figures_;
 
     std::int64_t n_ = 0;
