@@ -73,7 +73,7 @@ int Coupler::run_loop() {
         participants_.receive();
         if (from_ && n_ == from_->step) resume();
         const std::string reason = reason_to_end();
-        write_fields(!reason.empty());
+        if (n_ == 0 || step_.output) write_fields();
         if (checkpoint_due(reason)) write_checkpoint();
         if (!reason.empty()) return finish(reason);
 
@@ -259,14 +259,15 @@ ProgressFigures Coupler::live(std::string doing) const {
     return figures;
 }
 
-/// At the times at which the participants write theirs.
-void Coupler::write_fields(bool at_end) {
-    if (n_ == 0 || step_.output || at_end)
-        pressure_->write(t_, participants_.surface_state().x);
+/// At the times at which the participants write theirs: at the end after the last checkpoint, which
+/// a run that goes on must not find in it.
+void Coupler::write_fields() {
+    pressure_->write(t_, participants_.surface_state().x);
 }
 
 int Coupler::finish(const std::string& reason) {
     recorder_->finish(*contact_);
+    write_fields();
     participants_.finish(n_, reason);
     progress_.finish(live());
     figures_->write(options_.folder + "/summary.coupler.json", reason, t_, participants_,

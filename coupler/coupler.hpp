@@ -51,7 +51,7 @@ class Coupler {
     void send_forces(const AgreedStep& step);
     void report_start_inside() const;
     void record(const AgreedStep& step);
-    void write_fields(bool at_end);
+    void write_fields();
     ProgressFigures live(std::string doing = {}) const;
     int finish(const std::string& reason);
     // checkpoint.cpp:
