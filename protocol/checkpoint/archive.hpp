@@ -180,7 +180,7 @@ class Archive {
         if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>)
             return 1;
         else
-            return sizeof(field) / sizeof(field[0]);
+            return sizeof(field) / sizeof(field[0]) * count_of(field[0]);  // arrays of arrays too
     }
     template <class T>
     static void put(const T& field, double*& at) {
@@ -192,7 +192,7 @@ class Archive {
                         "a whole number beyond 2^53 goes into no table of doubles");
             ++at;
         } else {
-            for (std::size_t k = 0; k < count_of(field); ++k) put(field[k], at);
+            for (std::size_t k = 0; k < sizeof(field) / sizeof(field[0]); ++k) put(field[k], at);
         }
     }
     template <class T>
@@ -200,7 +200,7 @@ class Archive {
         if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>)
             field = static_cast<T>(*at++);
         else
-            for (std::size_t k = 0; k < count_of(field); ++k) take(field[k], at);
+            for (std::size_t k = 0; k < sizeof(field) / sizeof(field[0]); ++k) take(field[k], at);
     }
 
     std::string prefix_;

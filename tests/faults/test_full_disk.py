@@ -18,11 +18,11 @@ def limit_files(size):
 
 
 class FullDisk(Case):
-    def fill(self, who, others, size, says):
+    def fill(self, who, others, size, says, *settings):
         with Scene() as scene:
-            scene.start_coupler(before=limit_files(size) if who == "coupler" else None)
+            scene.start_coupler(*settings, before=limit_files(size) if who == "coupler" else None)
             for name in ("sph", "fem"):
-                scene.start_solver(name, before=limit_files(size) if who == name else None)
+                scene.start_solver(name, *settings, before=limit_files(size) if who == name else None)
             scene.wait_until(lambda: scene[who].process.poll() is not None, "the end of the disk", 60)
             scene.now()
             scene.expect(who, 2, "check that", row=17)
@@ -38,7 +38,8 @@ class FullDisk(Case):
         self.fill("fem", ("coupler", "sph"), 1_000_000, "fem.vtkhdf")
 
     def test_histories_of_the_coupler(self):
-        self.fill("coupler", ("sph", "fem"), 20_000, "energy.interface.csv")
+        self.fill("coupler", ("sph", "fem"), 600_000, ".csv",
+                  "--set", "output.fields_every=100", "--set", "output.history_every=1e-6")
 
     def test_histories_of_a_solver(self):
         often = ("--set", "output.fields_every=100", "--set", "output.history_every=1e-6")
