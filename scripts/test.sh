@@ -20,6 +20,8 @@ case "${1:-}" in
     *) echo "scripts/test.sh knows --quick and --long, but got: $1" >&2; exit 2 ;;
 esac
 
+# two tests of two threads each on two cores: threads that spin while they wait take minutes for seconds
+export OMP_WAIT_POLICY=passive GOMP_SPINCOUNT=0
 scripts/setup.sh "$setup"
 if ((sanitize)); then
     build=build-sanitize
