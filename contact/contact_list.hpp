@@ -49,6 +49,11 @@ struct alignas(64) ContactPack {
     Three<Lanes> force() const { return normal_force * normal + friction(); }
 };
 
+class ContactList;
+/// Asks for pack p, if there is room for one. g++ leaves out calls of a function that only fetches,
+/// unless it is inlined.
+[[gnu::always_inline]] inline void fetch_pack(const ContactList& contacts, std::size_t p);
+
 /// Lanes beyond the last contact repeat it, so that kernels may compute them; sums leave them out.
 class ContactList {
  public:
@@ -69,6 +74,8 @@ class ContactList {
         return std::uint32_t(pack_[c / lane_count].particle[c % lane_count]);
     }
 
+    /// Packs that there is memory for.
+    std::size_t room() const { return pack_.size(); }
     void clear() { size_ = 0; }
     void resize(std::size_t size);
     /// Adds the first `count` lanes of a pack.
@@ -107,5 +114,13 @@ class ContactList {
     std::vector<ContactPack> pack_;
     std::size_t size_ = 0;
 };
+
+void fetch_pack(const ContactList& contacts, std::size_t p) {
+    if (p >= contacts.room()) return;
+    const char* at = reinterpret_cast<const char*>(&contacts.pack(p));
+#pragma GCC unroll 32
+    for (std::size_t line = 0; line < sizeof(ContactPack); line += 64)
+        __builtin_prefetch(at + line);
+}
 
 }  // namespace undertow::contact

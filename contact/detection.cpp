@@ -9,180 +9,14 @@
 #include <utility>
 
 #include "contact/facet_lanes.hpp"
+#include "contact/select_contacts.hpp"
 
 namespace undertow::contact {
 
 namespace {
 
-// Facets within reach of one particle. A particle four times as large as its facets sees about 60.
-constexpr int most_touches = 96;
-constexpr int most_contacts = 4;  // of one particle: a corner of three walls, and one to spare
-
-// Two feet are one point when they differ by less than this share of l0: round-off of positions.
-constexpr double same_point = 1e-9;
-
-// The point touched at the step before is off the plane of a neighboring facet of the same face by
-// less than this share of l0; two faces that a particle can touch together are farther apart.
-constexpr double same_face = 0.25;
-
 // Particles whose pairs are listed together: their feet stay in the nearest cache.
 constexpr std::size_t block = 64;
-
-// Rows of three numbers are fetched this many numbers ahead.
-constexpr std::size_t ahead = 3 * block;
-
-constexpr std::uint32_t no_facet = 0xffffffffu;
-
-}  // namespace
-
-struct Touch {
-    std::uint32_t facet;
-    Foot foot;
-    double side;  // [m] offset along the facet's normal
-    bool free_rim;
-    bool wet() const { return side >= 0 || free_rim; }
-};
-
-class TouchList {
- public:
-    void clear() { count_ = 0; }
-    void add(const Touch& touch) {
-        if (count_ < most_touches) {
-            touch_[count_++] = touch;
-            return;
-        }
-        Touch* farthest = std::max_element(begin(), end(), [](const Touch& a, const Touch& b) {
-            return a.foot.distance < b.foot.distance;
-        });
-        if (touch.foot.distance < farthest->foot.distance) *farthest = touch;
-    }
-    Touch* begin() { return touch_.data(); }
-    Touch* end() { return touch_.data() + count_; }
-    bool empty() const { return count_ == 0; }
-
- private:
-    std::array<Touch, most_touches> touch_;
-    int count_ = 0;
-};
-
-namespace {
-
-/// The nearest touch; of several at the same point the one that the offset faces most squarely,
-/// because only that one tells the side at an edge or corner.
-const Touch& nearest(TouchList& touches, double tolerance) {
-    const Touch* best = touches.begin();
-    for (const Touch& touch : touches)
-        if (touch.foot.distance < best->foot.distance) best = &touch;
-    const double reach = best->foot.distance + tolerance;
-    for (const Touch& touch : touches)
-        if (touch.foot.distance <= reach && std::abs(touch.side) > std::abs(best->side))
-            best = &touch;
-    return *best;
-}
-
-/// Does `other` have the edge or corner on which the foot of `touch` lies?
-bool shares_rim(const Surface& surface, const Touch& touch, const Touch& other) {
-    const std::int32_t* mine = surface.corners(touch.facet);
-    const std::int32_t* theirs = surface.corners(other.facet);
-    for (int k = 0; k < 4; ++k) {
-        if (!(touch.foot.rim & (1 << k))) continue;
-        if (std::find(theirs, theirs + 4, mine[k]) == theirs + 4) return false;
-    }
-    return true;
-}
-
-/// A foot inside a facet is a local minimum of the distance; one on a rim only if no neighbor there
-/// comes nearer. Of equal ones the first facet stands for all.
-bool is_local_minimum(const Surface& surface, TouchList& touches, const Touch& touch,
-                      double tolerance) {
-    if (touch.foot.rim == 0) return true;
-    for (const Touch& other : touches) {
-        if (other.facet == touch.facet || !shares_rim(surface, touch, other)) continue;
-        if (other.foot.distance < touch.foot.distance - tolerance) return false;
-        if (other.foot.distance <= touch.foot.distance + tolerance && other.facet < touch.facet &&
-            other.wet())
-            return false;
-    }
-    return true;
-}
-
-/// Does the touch see the particle squarely from behind?
-bool from_behind(const Touch& touch) {
-    return !touch.free_rim && touch.side < -0.7 * touch.foot.distance;
-}
-
-/// The face that the particle touched at the step before and has passed since, nullptr if none: it
-/// looks the same way and holds the point that was touched.
-const Touch* passed_face(const DetectionRules& rules, const Surface& surface, double l0,
-                         std::uint32_t facet, const std::array<double, 4>& weight,
-                         const Touch& closest, TouchList& touches, const Vec& x) {
-    if (std::none_of(touches.begin(), touches.end(), from_behind)) return nullptr;
-    const Vec facing = surface.plane(facet).normal;
-    if (!closest.wet() && closest.foot.normal.dot(facing) > 0) return nullptr;  // no doubt
-    Vec touched = Vec::Zero();
-    for (int a = 0; a < 4; ++a) touched += weight[a] * surface.position(surface.corners(facet)[a]);
-    const Touch* passed = nullptr;
-    for (const Touch& touch : touches) {
-        if (!from_behind(touch) || touch.foot.distance > rules.behind * l0) continue;
-        if (touch.foot.normal.dot(facing) < 0.5) continue;
-        const Vec at = x - touch.foot.offset;
-        if (std::abs(touch.foot.normal.dot(touched - at)) > same_face * l0) continue;
-        if (!passed || touch.foot.distance < passed->foot.distance) passed = &touch;
-    }
-    return passed;
-}
-
-/// A touch that acts: sign -1 pushes back through the surface.
-struct Chosen {
-    const Touch* touch;
-    double sign;
-};
-
-/// Normal of a contact. With the center in the surface the offset has no direction left; the
-/// facet's normal has.
-template <typename T>
-Three<T> contact_normal(const Three<T>& offset, const T& distance, const T& sign,
-                        const Three<T>& plane_normal, const T& l0) {
-    return select(less(same_point * l0, distance), (sign / distance) * offset, plane_normal);
-}
-
-Three<double> normal_of(const Touch& touch, double sign, double l0) {
-    const Vec &o = touch.foot.offset, &n = touch.foot.normal;
-    return contact_normal<double>({o[0], o[1], o[2]}, touch.foot.distance, sign, {n[0], n[1], n[2]},
-                                  l0);
-}
-
-/// Chooses the contacts of one particle among what it touches. passed: see passed_face. Returns how
-/// many of `chosen` were filled.
-int select_contacts(const DetectionRules& rules, const Surface& surface, double l0,
-                    const Touch& closest, const Touch* passed, TouchList& touches,
-                    std::array<Chosen, most_contacts>& chosen) {
-    if (passed) {
-        chosen[0] = {passed, -1};
-        return 1;
-    }
-    if (!closest.wet()) {
-        chosen[0] = {&closest, -1};
-        return closest.foot.distance <= rules.behind * l0 ? 1 : 0;
-    }
-    std::sort(touches.begin(), touches.end(), [](const Touch& a, const Touch& b) {
-        return a.foot.distance != b.foot.distance ? a.foot.distance < b.foot.distance
-                                                  : a.facet < b.facet;
-    });
-    int count = 0;
-    for (const Touch& touch : touches) {
-        if (touch.foot.distance >= l0 || !touch.wet()) continue;
-        if (!is_local_minimum(surface, touches, touch, same_point * l0)) continue;
-        const Three<double> normal = normal_of(touch, +1, l0);
-        const bool new_wall =
-            std::all_of(chosen.begin(), chosen.begin() + count, [&](const Chosen& taken) {
-                return dot(normal_of(*taken.touch, +1, l0), normal) < rules.same_normal;
-            });
-        if (new_wall) chosen[count++] = {&touch, +1};
-        if (count == most_contacts) break;
-    }
-    return count;
-}
 
 /// Largest size of f(i) over i < n, where at(i) gives eight of them; a plain loop with max stays
 /// scalar as long as NaN must remain visible.
@@ -259,8 +93,9 @@ struct Detector::Work {
         const std::size_t batches = most_pairs / lane_count + 1;
         if (feet.size() >= batches) return;
         feet.resize(batches);
-        for (auto* rows : {&particle, &facet}) rows->resize(batches * lane_count);
-        entry.resize(batches * lane_count);
+        // keep_up_to() writes whole registers.
+        for (auto* rows : {&particle, &facet}) rows->resize((batches + 2) * lane_count);
+        entry.resize((batches + 2) * lane_count);
     }
     void find_feet(const Points& active, const Surface& surface);
     Touch touch(const Surface& surface, std::uint32_t pair) const;
@@ -280,9 +115,9 @@ void Detector::Work::find_feet(const Points& active, const Surface& surface) {
         facet[p] = facet[pairs - 1];
     }
     for (std::size_t p = 0; p < pairs; p += lane_count) {
-        // What the next eight need is fetched while these are computed.
-        const std::size_t next = p + lane_count < pairs ? p + lane_count : p;
-        fetch_nodes(surface, std::span(facet).subspan(next, lane_count));
+        // What later ones need is fetched while these are computed.
+        if (const std::size_t later = p + 2 * lane_count; later < pairs)
+            fetch_nodes(surface, std::span(facet).subspan(later, lane_count));
         feet[p / lane_count] = closest_points(
             gather_three(active.x.data(), load_rows(&particle[p])), surface, load_rows(&facet[p]));
     }
@@ -401,6 +236,7 @@ void Detector::Work::finish_staged(const Points& active, const Surface& surface)
     staged.slip = relative - along * staged.normal;
     staged.stiffness = staged.normal_force = staged.damping_force = staged.drag = spread<Lanes>(0);
     contacts.append(staged, staged_count);
+    fetch_pack(contacts, contacts.packs() + 1);
     staged_count = 0;
 }
 
@@ -440,6 +276,30 @@ void Detector::follow(const Surface& surface) {
     node_speed_ = per_component * largest_size(surface.v());
 }
 
+/// Asks for what find_pairs() will read of eight particles: fifteen streams are more than the
+/// machine follows by itself. g++ leaves out calls of a function that only fetches, unless it is
+/// inlined.
+[[gnu::always_inline]] inline void Detector::fetch_ahead(const Points& active,
+                                                         const CandidateList& candidates,
+                                                         std::size_t first) const {
+    if (first + lane_count > active.size()) return;
+    constexpr std::size_t line = 8;  // numbers
+    for (const double* rows : {active.x.data(), active.v.data(), look_x_.data()})
+        for (std::size_t at = 0; at < 3 * lane_count; at += line)
+            __builtin_prefetch(rows + 3 * first + at);
+    for (const double* numbers :
+         {active.radius.data(), look_travel_.data(), look_nearest_.data()})
+        __builtin_prefetch(numbers + first);
+    __builtin_prefetch(&side_facet_[first], 1);
+    for (std::size_t i = first; i < first + lane_count; i += 2)
+        __builtin_prefetch(&side_weight_[i], 1);
+    for (std::size_t e = candidates.start[first]; e < candidates.start[first + lane_count];
+         e += 2 * line) {
+        __builtin_prefetch(&candidates.facet[e]);
+        __builtin_prefetch(&distance_[e]);
+    }
+}
+
 /// Lists the pairs of a block that cannot be excluded. Returns the largest approach rate [1/s] of
 /// those who are fast enough to be asked.
 double Detector::find_pairs(const Points& active, const Surface& surface,
@@ -454,12 +314,12 @@ double Detector::find_pairs(const Points& active, const Surface& surface,
         for (int lane = 0; lane < lane_count; ++lane)
             row[lane] = std::int32_t(std::min(i + std::size_t(lane), last - 1));
         const LaneMask here = first_lanes(int(std::min<std::size_t>(lane_count, last - i)));
-        for (const double* rows : {active.x.data(), active.v.data(), std::as_const(look_x_).data()})
-            for (int line = 0; line < 3; ++line)
-                __builtin_prefetch(rows + 3 * i + ahead + 8 * line);
-        const Three<Lanes> x = gather_three(active.x.data(), row),
-                           v = gather_three(active.v.data(), row),
-                           from = gather_three(look_x_.data(), row);
+        fetch_ahead(active, candidates, i + block);
+        const auto three = [&](const double* rows) {
+            return i + lane_count <= last ? load_three(rows, i) : gather_three(rows, row);
+        };
+        const Three<Lanes> x = three(active.x.data()), v = three(active.v.data()),
+                           from = three(std::as_const(look_x_).data());
         const Lanes l0 = gather(active.radius.data(), row), reach = behind * l0;
         const LaneMask slow = at_most((norm(v) + node_speed_) * longest_dt, rules_.step_share * l0);
         if (const LaneMask asked = without(here, slow); any(asked))
@@ -474,8 +334,9 @@ double Detector::find_pairs(const Points& active, const Surface& surface,
         const Lanes moved = norm(x - from) + (travel_ - gather(look_travel_.data(), row));
         const LaneMask idle = less(reach + moved, gather(look_nearest_.data(), row));
         const LaneMask busy = without(here, idle);
-        for (int lane = 0; lane < lane_count; ++lane)
-            if (idle[lane]) side_facet_[std::size_t(row[lane])] = no_facet;
+        if (any(idle))
+            for (int lane = 0; lane < lane_count; ++lane)
+                if (idle[lane]) side_facet_[std::size_t(row[lane])] = no_facet;
         if (!any(busy)) continue;
         const Lanes range = (reach + moved) * (1 + double(float_margin));
         const LaneMask close = less(look_again * l0, moved);
@@ -486,18 +347,17 @@ double Detector::find_pairs(const Points& active, const Surface& surface,
             const float near =
                 closely ? std::numeric_limits<float>::infinity() : float(range[lane]);
             const std::size_t begin = work.pairs;
-            std::size_t p = begin;
-            for (std::uint32_t e = candidates.start[particle]; e < candidates.start[particle + 1];
-                 ++e) {
-                work.particle[p] = std::int32_t(particle);
-                work.facet[p] = std::int32_t(candidates.facet[e]);
-                work.entry[p] = e;
-                p += !(distance_[e] > near);
-            }
-            for (std::size_t q = begin; q < p; ++q)
+            const std::uint32_t e = candidates.start[particle];
+            const std::size_t found =
+                keep_up_to(near, &distance_[e], &candidates.facet[e], e,
+                           candidates.start[particle + 1] - e, &work.facet[begin],
+                           &work.entry[begin]);
+            for (std::size_t q = begin; q < begin + found; ++q) {
+                work.particle[q] = std::int32_t(particle);
                 __builtin_prefetch(surface.corners(std::uint32_t(work.facet[q])));
+            }
             work.seen[std::size_t(work.seen_count++)] = {particle, std::uint32_t(begin), closely};
-            work.pairs = p;
+            work.pairs = begin + found;
         }
     }
     work.seen[std::size_t(work.seen_count)].first_pair = std::uint32_t(work.pairs);
@@ -546,14 +406,9 @@ void Detector::choose(const Points& active, const Surface& surface, Work& work) 
         for (std::uint32_t p = it.first_pair; p < end; ++p)
             if (!(work.feet[p / lane_count].distance[p % lane_count] > reach))
                 work.touches.add(work.touch(surface, p));
-        const Touch& closest = nearest(work.touches, same_point * l0);
-        const Touch* passed =
-            touched == no_facet
-                ? nullptr
-                : passed_face(rules_, surface, l0, touched, side_weight_[i], closest, work.touches,
-                              Vec::Map(&active.x[3 * std::size_t(i)]));
-        const int count =
-            select_contacts(rules_, surface, l0, closest, passed, work.touches, chosen);
+        const int count = select_contacts(
+            rules_, surface, {Vec::Map(&active.x[3 * std::size_t(i)]), l0},
+            {touched, side_weight_[i]}, work.touches, chosen);
         for (int c = 0; c < count; ++c) {
             const Touch& touch = *chosen[std::size_t(c)].touch;
             if (c == 0) side_facet_[i] = touch.facet, side_weight_[i] = touch.foot.weight;

@@ -30,6 +30,7 @@
 #include "contact/candidates.hpp"
 #include "contact/contact_list.hpp"
 #include "contact/points.hpp"
+#include "contact/select_contacts.hpp"
 #include "contact/surface.hpp"
 
 namespace undertow {
@@ -37,12 +38,6 @@ class Archive;
 }
 
 namespace undertow::contact {
-
-struct DetectionRules {
-    double behind = 1.0;              // depth below the surface up to which it pushes out, in l0
-    double same_normal = 0.70710678;  // cosine above which two contacts are one wall (45 degrees)
-    double step_share = 0.25;  // a particle may approach a facet by this share of l0 per step
-};
 
 /// Finds the contacts of all active particles; the result does not depend on the thread count, nor
 /// on what is skipped.
@@ -79,6 +74,8 @@ class Detector {
     double find_pairs(const Points& active, const Surface& surface,
                       const CandidateList& candidates, double longest_dt, std::size_t first,
                       std::size_t last, Work& work);
+    void fetch_ahead(const Points& active, const CandidateList& candidates,
+                     std::size_t first) const;
     void note_look(const Points& active, const Work& work);
     void choose(const Points& active, const Surface& surface, Work& work);
 

@@ -72,7 +72,9 @@ class ForceLaw {
     /// Active rows in contact, each once: all others have no force.
     std::span<const std::uint32_t> touching() const { return in_contact_; }
     /// Nodes of the facets in contact, each once: all others have no force.
-    std::span<const std::int32_t> touched_nodes() const { return touched_; }
+    std::span<const std::int32_t> touched_nodes() const {
+        return {touched_.data(), touched_count_};
+    }
     /// What is remembered from step to step.
     void archive(Archive& a);
     double quantum() const { return quantum_; }  // [N]
@@ -81,14 +83,18 @@ class ForceLaw {
     double momentum_residual() const;
 
  private:
+    void make_room(std::size_t particles, std::size_t nodes);
     void find_start_inside(const Points& active, const ContactList& contacts);
+    void fetch_sums(const ContactList& contacts, std::size_t p);
     void share_masses(const ContactList& contacts);
     template <typename Stiffness, typename Friction>
     void push(const Stiffness& stiffness, double dt, const NormalDamping& damping,
               const Friction& friction, const Points& active, const Surface& surface,
               ContactList& contacts);
-    void sum(const ContactList& contacts);
-    void clear(std::size_t particles, std::size_t nodes);
+    void sum(const ContactPack& pack, int lanes, const Three<Lanes>& force,
+             const Lanes& per_quantum);
+    void sum_again(const ContactList& contacts);
+    void give_forces();
     void take_off_inside(const Points& active, ContactList& contacts);
     void ease_out(const Points& active, double dt, const ContactPack& pack, int lanes,
                   const Lanes& m_c);
@@ -100,17 +106,18 @@ class ForceLaw {
     StartInside start_inside_;
     bool started_ = false;
     std::vector<std::uint32_t> in_contact_, former_;  // active rows with an entry in memory_
-    // Per node: S_a (1 = 2^40) and sum of forces [quantum]. Where no contact is they stay as they
-    // are, and only what was touched is cleared: most of a surface is dry.
+    // Per node: S_a (1 = 2^40) and sum of forces [quantum], cleared as soon as they are used up.
     static constexpr std::int64_t untouched = std::numeric_limits<std::int64_t>::min();
     struct NodeSum {
         std::int64_t share = untouched;
         std::array<std::int64_t, 3> force{};
     };
     std::vector<NodeSum> node_sum_;
-    std::vector<std::int32_t> touched_;
-    std::vector<double> contacts_of_;                  // c_i per active particle
-    std::vector<std::int64_t> particle_sum_;           // [quantum]
+    // Nodes of this step and of the one before; room for all of them and one more.
+    std::vector<std::int32_t> touched_, were_touched_;
+    std::size_t touched_count_ = 0, were_touched_count_ = 0;
+    std::vector<double> contacts_of_;                  // c_i per active particle, as node_sum_
+    std::vector<std::int64_t> particle_sum_;           // [quantum], as node_sum_
     std::vector<double> particle_force_, node_force_;  // [N]
     bool rows_changed_ = true;  // since the last step: forces are of other rows
     double largest_ = 0;                               // [N] component of a contact force

@@ -101,6 +101,43 @@ inline Lanes gather_wholes(const std::int64_t* base, const LaneRows& row) {
 inline LaneRows gather_rows(const std::int32_t* base, const LaneRows& row) {
     return LaneRows(_mm256_i32gather_epi32(base, __m256i(row), 4));
 }
+/// Eight consecutive rows of an array (n, 3): three loads.
+inline void load_three(const double* from, Lanes& x, Lanes& y, Lanes& z) {
+    const __m512d a = _mm512_loadu_pd(from), b = _mm512_loadu_pd(from + 8),
+                  c = _mm512_loadu_pd(from + 16);
+    const auto pick = [&](const __m512i& of_two, const __m512i& of_all) {
+        return Lanes(_mm512_permutex2var_pd(_mm512_permutex2var_pd(a, of_two, b), of_all, c));
+    };
+    x = pick(_mm512_setr_epi64(0, 3, 6, 9, 12, 15, 0, 0),
+             _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 10, 13));
+    y = pick(_mm512_setr_epi64(1, 4, 7, 10, 13, 0, 0, 0),
+             _mm512_setr_epi64(0, 1, 2, 3, 4, 8, 11, 14));
+    z = pick(_mm512_setr_epi64(2, 5, 8, 11, 14, 0, 0, 0),
+             _mm512_setr_epi64(0, 1, 2, 3, 4, 9, 12, 15));
+}
+/// Keeps of n rows those whose number is not above `limit`, and where they were from `first` on.
+/// Returns how many. There must be room for 15 more.
+inline std::size_t keep_up_to(float limit, const float* number, const std::uint32_t* row,
+                              std::uint32_t first, std::size_t n, std::int32_t* kept,
+                              std::uint32_t* place) {
+    const __m512i ones = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    std::size_t count = 0;
+    for (std::size_t e = 0; e < n; e += 16) {
+        const __mmask16 here = n - e < 16 ? __mmask16((1u << (n - e)) - 1) : __mmask16(0xffff);
+        const __mmask16 keep =
+            _mm512_mask_cmp_ps_mask(here, _mm512_maskz_loadu_ps(here, number + e),
+                                    _mm512_set1_ps(limit), _CMP_NGT_UQ);
+        _mm512_storeu_si512(
+            kept + count,
+            _mm512_maskz_compress_epi32(keep, _mm512_maskz_loadu_epi32(here, row + e)));
+        _mm512_storeu_si512(
+            place + count,
+            _mm512_maskz_compress_epi32(
+                keep, _mm512_add_epi32(ones, _mm512_set1_epi32(int(first + std::uint32_t(e))))));
+        count += std::size_t(__builtin_popcount(keep));
+    }
+    return count;
+}
 /// To the nearest whole number, ties to the even one.
 inline LaneWholes rounded(const Lanes& a) {
     return LaneWholes(_mm512_maskz_cvtpd_epi64(0xff, __m512d(a)));
@@ -176,6 +213,24 @@ inline LaneRows gather_rows(const std::int32_t* base, const LaneRows& row) {
     LaneRows found;
     for (int lane = 0; lane < lane_count; ++lane) found[lane] = base[row[lane]];
     return found;
+}
+/// Eight consecutive rows of an array (n, 3).
+inline void load_three(const double* from, Lanes& x, Lanes& y, Lanes& z) {
+    for (int lane = 0; lane < lane_count; ++lane)
+        x[lane] = from[3 * lane], y[lane] = from[3 * lane + 1], z[lane] = from[3 * lane + 2];
+}
+/// Keeps of n rows those whose number is not above `limit`, and where they were from `first` on.
+/// Returns how many. There must be room for 15 more.
+inline std::size_t keep_up_to(float limit, const float* number, const std::uint32_t* row,
+                              std::uint32_t first, std::size_t n, std::int32_t* kept,
+                              std::uint32_t* place) {
+    std::size_t count = 0;
+    for (std::size_t e = 0; e < n; ++e) {
+        kept[count] = std::int32_t(row[e]);
+        place[count] = first + std::uint32_t(e);
+        count += !(number[e] > limit);
+    }
+    return count;
 }
 /// To the nearest whole number, ties to the even one.
 inline LaneWholes rounded(const Lanes& a) {
@@ -304,5 +359,12 @@ inline Three<Lanes> gather_three(const double* base, const LaneRows& row) {
 }
 
 #endif
+
+/// Rows first to first + 7 of an array (n, 3).
+inline Three<Lanes> load_three(const double* base, std::size_t first) {
+    Three<Lanes> found;
+    load_three(base + 3 * first, found.x, found.y, found.z);
+    return found;
+}
 
 }  // namespace undertow::contact

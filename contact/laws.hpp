@@ -53,6 +53,9 @@ struct NormalDamping {
     }
 };
 
+/// A smooth wall: mu = 0.
+struct NoFriction {};
+
 /// F_t = min(eta_t m_c v_t/dt, mu F_n)  [N]: Coulomb, viscous below the slip force so that a
 /// particle at rest is held instead of being kicked to and fro.
 struct CoulombFriction {

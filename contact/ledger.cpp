@@ -27,6 +27,8 @@ double sum_of(const Lanes& lanes) {
     return sum;
 }
 
+constexpr std::size_t books_ahead = 4;  // that many packs of eight hide the way to memory
+
 // A contact goes on in one whose normal is within 45 degrees: two that are taken for one wall.
 constexpr double same_wall = 0.70710678;
 
@@ -122,6 +124,7 @@ void Ledger::book_contacts(const ContactList& contacts, std::span<const double> 
     ahead_.resize(contacts.packs() * lane_count);
     for (std::size_t p = 0; p < contacts.packs(); ++p) {
         const ContactPack& c = contacts.pack(p);
+        fetch_pack(contacts, p + books_ahead);
         const LaneMask here = first_lanes(contacts.lanes(p));
         const Three<Lanes> before = c.slip - c.closing * c.normal;  // relative velocity
         const Three<Lanes> after = relative_velocity(velocity_after(c, v_particles, rows), surface,
@@ -146,6 +149,8 @@ void Ledger::book_changes(const ContactList& contacts, const RowChanges& rows,
     const Lanes none = spread<Lanes>(0);
     Lanes penalty = none, impact = none, turning = none, relaxation = none;
     for (std::size_t p = 0; p < present.packs(); ++p) {
+        fetch_pack(present, p + books_ahead);
+        fetch_pack(contacts, p + books_ahead);
         if (follow_pack(contacts, rows, present, p, penalty, turning, relaxation)) continue;
         for (int lane = 0; lane < present.lanes(p); ++lane)
             follow_one(contacts, rows, present, p, lane, penalty, impact, turning, relaxation);

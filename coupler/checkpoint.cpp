@@ -95,7 +95,12 @@ void Coupler::archive(Archive& a) {
     a.object("budget", *budget_);
     a.object("figures", *figures_);
     a.object("recorder", *recorder_);
-    a.object("pressure", *pressure_);
+    bool pressures = pressure_ != nullptr;
+    a("contact_fields", pressures);
+    if (pressures != (pressure_ != nullptr))
+        throw InputError(input_.file + ": output.contact_fields may not change on resume, it was " +
+                         (pressures ? "true" : "false") + "; put it back, or start anew.");
+    if (pressure_) a.object("pressure", *pressure_);
     a("last_dt", step_.dt);
     a("last_t1", step_.t1);
     a("last_limiter", step_.limiter);

@@ -73,7 +73,7 @@ int Coupler::run_loop() {
         participants_.receive();
         if (from_ && n_ == from_->step) resume();
         const std::string reason = reason_to_end();
-        if (n_ == 0 || step_.output) write_fields();
+        if (pressure_ && pressure_->due(t_, n_ == 0 || step_.output)) write_fields();
         if (checkpoint_due(reason)) write_checkpoint();
         if (!reason.empty()) return finish(reason);
 
@@ -105,8 +105,9 @@ void Coupler::prepare() {
                                              input_.coupling.skin * 2 * particles.radius);
     recorder_ = std::make_unique<Recorder>(options_.folder, input_, joint_, particles.groups,
                                            from_ ? FileStart::continued : FileStart::fresh);
-    pressure_ = std::make_unique<PressureField>(options_.folder, joint_,
-                                                from_ ? FileStart::continued : FileStart::fresh);
+    if (input_.output.contact_fields)
+        pressure_ = std::make_unique<PressureField>(options_.folder, joint_, input_.output.contact_every,
+                                                    from_ ? FileStart::continued : FileStart::fresh);
     figures_ = std::make_unique<RunFigures>();
     log_info("coupled surface: " + std::to_string(joint_.quad.size() / 4) + " facets, " +
              std::to_string(joint_.mass.size()) + " nodes, " + std::to_string(joint_.names.size()) +
@@ -246,7 +247,7 @@ void Coupler::report_start_inside() const {
 
 void Coupler::record(const AgreedStep& step) {
     recorder_->record({t_, step.dt}, *contact_, phase_);
-    pressure_->count(*contact_);
+    if (pressure_) pressure_->count(*contact_);
     figures_->count(step, *contact_);
     step_ = step;
     if (progress_.due()) progress_.update(live());
@@ -259,10 +260,10 @@ ProgressFigures Coupler::live(std::string doing) const {
     return figures;
 }
 
-/// At the times at which the participants write theirs: at the end after the last checkpoint, which
+/// At the end after the last checkpoint, which
 /// a run that goes on must not find in it.
 void Coupler::write_fields() {
-    pressure_->write(t_, participants_.surface_state().x);
+    if (pressure_) pressure_->write(t_, participants_.surface_state().x);
 }
 
 int Coupler::finish(const std::string& reason) {

@@ -4,16 +4,12 @@
 #include <utility>
 
 #include "checkpoint/archive.hpp"
+#include "coupler/wall_clock.hpp"
 #include "results/stop_signal.hpp"
 
 namespace undertow::coupler {
 
 namespace {
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 wire::HostOptions options_for(const MeetingPlace& place, const Case& input,
                               std::int64_t first_step, double t0) {
@@ -23,6 +19,7 @@ wire::HostOptions options_for(const MeetingPlace& place, const Case& input,
     options.deadline = input.coupling.deadline;
     options.shared_memory = input.coupling.transport == "shm";
     options.stop = stop_requested;
+    options.loss = loss_announced;
     options.curve = place.keys;
     options.record_in = place.record_in;
     options.welcome.first_step = first_step;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "checkpoint/archive.hpp"
 
@@ -25,9 +26,10 @@ double area_of(std::span<const double> x, const std::int32_t* quad) {
 
 }  // namespace
 
-PressureField::PressureField(const std::string& folder, const JointSurface& surface,
+PressureField::PressureField(const std::string& folder, const JointSurface& surface, double every,
                              FileStart start)
-    : quad_(surface.quad),
+    : every_(every),
+      quad_(surface.quad),
       impulse_(quad_.size() / 4, 0),
       largest_(impulse_),
       force_(impulse_),
@@ -52,6 +54,13 @@ void PressureField::count(const contact::PenaltyContact& contact) {
         largest_[facet] = std::max(largest_[facet], force_[facet]);
         force_[facet] = 0;  // one that is listed twice adds nothing the second time
     }
+}
+
+bool PressureField::due(double t, bool common) const {
+    if (every_ == 0) return common;
+    constexpr double round_off = 1e-12;  // of t, a sum of steps
+    const double next = written_ < 0 ? 0 : std::floor(written_ / every_ * (1 + round_off)) + 1;
+    return t >= next * every_ * (1 - round_off);
 }
 
 void PressureField::write(double t, std::span<const double> x) {

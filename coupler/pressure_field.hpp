@@ -1,6 +1,7 @@
 #pragma once
 // contact.vtkhdf: what the particles press on each facet of the coupled surface, at every common
-// output time, on the surface as it is deformed then. ParaView opens it beside the structure.
+// output time or at an interval of its own, on the surface as it is deformed then. ParaView opens it
+// beside the structure.
 
 #include <cstdint>
 #include <span>
@@ -15,11 +16,16 @@ namespace undertow::coupler {
 
 class PressureField {
  public:
-    PressureField(const std::string& folder, const JointSurface& surface,
+    /// every [s] = output.contact_every; 0 = at the common output times.
+    PressureField(const std::string& folder, const JointSurface& surface, double every = 0,
                   FileStart start = FileStart::fresh);
 
     /// Adds the normal forces of this step's contacts; after compute_forces().
     void count(const contact::PenaltyContact& contact);
+
+    /// At t [s], which is a common output time or not. An interval of its own makes no step shorter: the
+    /// first step that has reached a multiple of it writes.
+    bool due(double t, bool common) const;
 
     /// Writes mean and peak since the output before, and starts anew. t [s], nodes at x [m] (N, 3).
     /// Nothing where t has been written.
@@ -31,6 +37,7 @@ class PressureField {
     const std::vector<double>& peak() const { return peak_; }
 
  private:
+    double every_;  // [s]
     std::vector<std::int32_t> quad_;
     std::vector<double> impulse_;     // [N s] (F) of normal forces since the last output
     std::vector<double> largest_;     // [N] (F) largest force of a step since then

@@ -6,16 +6,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "coupler/wall_clock.hpp"
 #include "results/summary.hpp"
 
 namespace undertow::coupler {
 
 namespace {
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 /// "fem: hexahedron 17 of wall" -> "fem: hexahedron # of wall": one share per kind of limit.
 void without_numbers(const std::string& limiter, std::string& kind) {

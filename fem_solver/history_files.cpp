@@ -94,6 +94,11 @@ void HistoryFiles::write(double t, const Structure& structure) {
         if (file.times.due(t)) write_row(file, t, structure);
 }
 
+bool HistoryFiles::row_due(double t) const {
+    return std::any_of(file_.begin(), file_.end(),
+                       [&](const File& file) { return file.times.is_due(t); });
+}
+
 bool HistoryFiles::section_due(double t) const {
     return std::any_of(file_.begin(), file_.end(), [&](const File& file) {
         return file.what.kind == FemHistoryKind::section && file.times.is_due(t);

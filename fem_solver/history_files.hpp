@@ -17,6 +17,8 @@ class HistoryFiles {
     HistoryFiles(const std::string& folder, const Case& c, const Structure& structure,
                  FileStart start = FileStart::fresh);
 
+    /// Whether any row is due at t.
+    bool row_due(double t) const;
     /// Whether a row of a section is due at t: those are measured among the elements' forces.
     bool section_due(double t) const;
     /// Rows that are due at t; after the kick, when forces at n are complete.

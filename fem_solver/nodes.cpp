@@ -14,11 +14,22 @@ Row row_of(double a, double b, double c) {
     return Row{a, b, c, 0};
 }
 
-KickReport kick_block(Nodes& nodes, const Kick& step, std::size_t first, std::size_t last) {
+struct KickSums {
+    Row kinetic = {}, before = {}, after = {}, speed2 = {};
+};
+
+inline void drift_node(Nodes& nodes, double dt, std::size_t n) {
+    as_row(nodes.x[n]) += dt * as_row(nodes.v[n]);
+    as_row(nodes.f[n]) = Row{};
+}
+
+/// Nodes first .. last, and their drift where `drifts`.
+template <bool drifts>
+void kick_run(Nodes& nodes, const Kick& step, std::size_t first, std::size_t last, KickSums& sums) {
     const double span = 0.5 * (step.dt_before + step.dt_after);
     const double keep = 1 - 0.5 * step.damping * span, divide = 1 / (1 + 0.5 * step.damping * span);
     const Row g = row_of(step.gravity[0], step.gravity[1], step.gravity[2]);
-    Row kinetic = {}, before = {}, after = {}, speed2 = {};
+    KickSums s = sums;
     for (std::size_t n = first; n < last; ++n) {
         const Row im = as_row(nodes.inverse_mass[n]), v_old = as_row(nodes.v[n]);
         const Row weight =
@@ -27,25 +38,70 @@ KickReport kick_block(Nodes& nodes, const Kick& step, std::size_t first, std::si
         const Row v_new = (v_old * keep + span * a) * divide;
         const Row v_mean = v_old + v_new, m = nodes.mass[n] - Row{};
         as_row(nodes.v[n]) = v_new;
-        kinetic += m * (v_old * v_new);
-        before += m * (v_mean * v_old);
-        after += m * (v_mean * v_new);
+        if constexpr (drifts) drift_node(nodes, step.dt_after, n);
+        s.kinetic += m * (v_old * v_new);
+        s.before += m * (v_mean * v_old);
+        s.after += m * (v_mean * v_new);
         const Row v2 = v_new * v_new;
         const Row sum = v2 + __builtin_shufflevector(v2, v2, 1, 2, 0, 3) +
                         __builtin_shufflevector(v2, v2, 2, 0, 1, 3);
-        speed2 = larger(sum, speed2);
+        s.speed2 = larger(sum, s.speed2);
     }
+    sums = s;
+}
+
+KickReport report_of(const KickSums& s, const Kick& step) {
     const double quarter = 0.25 * step.damping;
-    return {0.5 * (kinetic[0] + kinetic[1] + kinetic[2]),
-            quarter * step.dt_before * (before[0] + before[1] + before[2]),
-            quarter * step.dt_after * (after[0] + after[1] + after[2]), speed2[0]};
+    return {0.5 * (s.kinetic[0] + s.kinetic[1] + s.kinetic[2]),
+            quarter * step.dt_before * (s.before[0] + s.before[1] + s.before[2]),
+            quarter * step.dt_after * (s.after[0] + s.after[1] + s.after[2]), s.speed2[0]};
+}
+
+KickReport kick_block(Nodes& nodes, const Kick& step, std::size_t first, std::size_t last) {
+    KickSums sums;
+    kick_run<false>(nodes, step, first, last, sums);
+    return report_of(sums, step);
+}
+
+KickReport kick_and_drift_block(Nodes& nodes, const Kick& step,
+                                std::span<const std::int32_t> later, std::size_t first,
+                                std::size_t last) {
+    KickSums sums;
+    auto next = std::lower_bound(later.begin(), later.end(), std::int32_t(first));
+    while (first < last) {
+        const std::size_t stop =
+            next == later.end() ? last : std::min(last, std::size_t(*next));
+        kick_run<true>(nodes, step, first, stop, sums);
+        first = stop;
+        while (first < last && next != later.end() && std::size_t(*next) == first) {
+            ++first;
+            ++next;
+        }
+        kick_run<false>(nodes, step, stop, first, sums);
+    }
+    return report_of(sums, step);
 }
 
 void drift_block(Nodes& nodes, double dt, std::size_t first, std::size_t last) {
-    for (std::size_t n = first; n < last; ++n) {
-        as_row(nodes.x[n]) += dt * as_row(nodes.v[n]);
-        as_row(nodes.f[n]) = Row{};
+    for (std::size_t n = first; n < last; ++n) drift_node(nodes, dt, n);
+}
+
+/// Sum of each_block(first, last) over all nodes, in the order of the blocks.
+template <class EachBlock>
+KickReport sum_over_blocks(std::size_t n, int threads, EachBlock&& each_block) {
+    const std::size_t blocks = (n + block_size - 1) / block_size;
+    KickReport sum;
+    if (blocks <= 1 || threads <= 1) {
+        for (std::size_t b = 0; b < blocks; ++b)
+            sum += each_block(b * block_size, std::min(n, (b + 1) * block_size));
+        return sum;
     }
+    std::vector<KickReport> part(blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (std::size_t b = 0; b < blocks; ++b)
+        part[b] = each_block(b * block_size, std::min(n, (b + 1) * block_size));
+    for (const KickReport& p : part) sum += p;
+    return sum;
 }
 
 }  // namespace
@@ -80,19 +136,20 @@ Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
 }
 
 KickReport kick(Nodes& nodes, const Kick& step, int threads) {
-    const std::size_t n = nodes.size(), blocks = (n + block_size - 1) / block_size;
-    KickReport sum;
-    if (blocks <= 1 || threads <= 1) {
-        for (std::size_t b = 0; b < blocks; ++b)
-            sum += kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
-        return sum;
-    }
-    std::vector<KickReport> part(blocks);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (std::size_t b = 0; b < blocks; ++b)
-        part[b] = kick_block(nodes, step, b * block_size, std::min(n, (b + 1) * block_size));
-    for (const KickReport& p : part) sum += p;
-    return sum;
+    return sum_over_blocks(nodes.size(), threads, [&](std::size_t first, std::size_t last) {
+        return kick_block(nodes, step, first, last);
+    });
+}
+
+KickReport kick_and_drift(Nodes& nodes, const Kick& step, std::span<const std::int32_t> later,
+                          int threads) {
+    return sum_over_blocks(nodes.size(), threads, [&](std::size_t first, std::size_t last) {
+        return kick_and_drift_block(nodes, step, later, first, last);
+    });
+}
+
+void drift(Nodes& nodes, double dt, std::span<const std::int32_t> these) {
+    for (std::int32_t n : these) drift_node(nodes, dt, std::size_t(n));
 }
 
 void drift(Nodes& nodes, double dt, int threads) {

@@ -5,6 +5,8 @@
 //     x^{n+1}   = x^n + dt^n v^{n+1/2}                       drift      [Wang 2024, section 2.2]
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "case/case.hpp"
@@ -57,5 +59,11 @@ Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
 KickReport kick(Nodes& nodes, const Kick& step, int threads);
 /// Also clears the forces for the next step.
 void drift(Nodes& nodes, double dt, int threads);
+
+/// Both in one pass over memory, the same bits. Those of `later` (in rising order) are only kicked:
+/// something else has a say in their velocity yet; drift(nodes, dt, later) follows.
+KickReport kick_and_drift(Nodes& nodes, const Kick& step, std::span<const std::int32_t> later,
+                          int threads);
+void drift(Nodes& nodes, double dt, std::span<const std::int32_t> these);
 
 }  // namespace undertow::fem

@@ -42,6 +42,7 @@ class Output {
     void fields(double t, const Structure& structure);
     /// Rows of the histories when one is due; after the kick, when the energies at n are complete.
     void history(double t, const Structure& structure);
+    bool row_due(double t) const { return row_times_.is_due(t) || own_histories_.row_due(t); }
     bool section_due(double t) const { return own_histories_.section_due(t); }
     /// The last rows, due or not.
     void last_history(double t, const Structure& structure);

@@ -72,8 +72,7 @@ Settlement settle(Structure& structure, const FemSettle& settings) {
                 "does not, the ground may be too weak for what stands on it.");
         if (stop_requested()) return report;
         kinetic_before = peak ? 0 : structure.kinetic_energy();
-        structure.kick(dt);
-        structure.drift(dt);
+        structure.advance(dt);
         if (wall_clock() - last_log > log_every) {
             last_log = wall_clock();
             log_info("settling: step " + std::to_string(report.steps) + ", " + goal.text(left));

@@ -52,12 +52,14 @@ bool Solver::step_to_the_end() {
         if (moves) structure_.let_go();
         structure_.contact_forces(order.f);
         if (!moves && t_ >= quiet_from * t_release_) structure_.observe_still_water(order.dt);
-        if (moves) structure_.kick(order.dt);  // v^{n-1/2} -> v^{n+1/2}
-        output_.history(t_, structure_);
-        if (moves)
-            structure_.drift(order.dt);  // x^n -> x^{n+1}
-        else
-            structure_.hold();
+        if (output_.row_due(t_)) {
+            if (moves) structure_.kick(order.dt);  // v^{n-1/2} -> v^{n+1/2}
+            output_.history(t_, structure_);
+            if (moves) structure_.drift(order.dt);  // x^n -> x^{n+1}
+        } else if (moves) {
+            structure_.advance(order.dt);  // both at once: nobody looks in between
+        }
+        if (!moves) structure_.hold();
         t_ = order.t1;
         output_due = order.output;
         count(order);

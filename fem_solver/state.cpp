@@ -30,6 +30,7 @@ void TurningNodes::archive(Archive& a) {
 }
 
 void Shells::archive(Archive& a) {
+    batches_.archive_order(a);
     a.flat<double>("state", state_);
     a.flat<double>("resultants", resultants_);
     a.flat<double>("layers", layers_);

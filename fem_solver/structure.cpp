@@ -67,6 +67,7 @@ Structure::Structure(Model model, int threads)
     }
     if (elements_.implicit())
         implicit_ = std::make_unique<ImplicitParts>(model_, *elements_.implicit(), nodes_);
+    moved_by_others_ = moved_by_others();
     stiffness_damping_ = StiffnessDamping(model_.damping_beta, elements_, nodes_);
     report_.omega2 = elements_.omega2_start();
     find_frequency();
@@ -252,6 +253,39 @@ void Structure::launch() {
 }
 
 void Structure::kick(double dt) {
+    const Kick step = before_kick(dt);
+    kick_ = fem::kick(nodes_, step, threads_);
+    after_kick(step);
+}
+
+void Structure::drift(double dt) {
+    before_drift(dt);
+    fem::drift(nodes_, dt, threads_);
+    after_drift(dt);
+}
+
+void Structure::advance(double dt) {
+    const Kick step = before_kick(dt);
+    kick_ = fem::kick_and_drift(nodes_, step, moved_by_others_, threads_);
+    after_kick(step);
+    before_drift(dt);
+    fem::drift(nodes_, dt, moved_by_others_);
+    after_drift(dt);
+}
+
+std::vector<std::int32_t> Structure::moved_by_others() const {
+    std::vector<std::int32_t> all = model_.far_field.nodes();
+    const auto add = [&](const std::vector<std::int32_t>& nodes) {
+        all.insert(all.end(), nodes.begin(), nodes.end());
+    };
+    for (const PrescribedMotion& motion : model_.motions) add(motion.nodes());
+    for (const RigidBody& body : bodies_) add(body.set().nodes);
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+}
+
+Kick Structure::before_kick(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt_);
     for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt_);
     contact_.do_work(nodes_.v, 0.5 * dt_);
@@ -265,7 +299,10 @@ void Structure::kick(double dt) {
     if (!motions_rest_)
         for (PrescribedMotion& motion : model_.motions) motion.before_kick(nodes_);
     if (implicit_) implicit_->before_kick(*elements_.implicit(), nodes_, step);
-    kick_ = fem::kick(nodes_, step, threads_);
+    return step;
+}
+
+void Structure::after_kick(const Kick& step) {
     if (implicit_) implicit_->after_kick(nodes_, step, kick_);
     model_.far_field.after_kick(nodes_, step, kick_);
     if (!motions_rest_)
@@ -275,7 +312,7 @@ void Structure::kick(double dt) {
     kick_bodies(step);
     damping_work_ += damping_ahead_ + kick_.damping_before;
     damping_ahead_ = kick_.damping_after;
-    kick_span_ = 0.5 * (dt_ + dt);
+    kick_span_ = 0.5 * (step.dt_before + step.dt_after);
 }
 
 void Structure::kick_bodies(const Kick& step) {
@@ -288,7 +325,7 @@ void Structure::kick_bodies(const Kick& step) {
         if (motion.body() >= 0) motion.read_force(bodies_[motion.body()], step);
 }
 
-void Structure::drift(double dt) {
+void Structure::before_drift(double dt) {
     for (PressureLoad& pressure : model_.pressures) pressure.load.do_work(nodes_.v, 0.5 * dt);
     for (TractionLoad& traction : model_.tractions) traction.load.do_work(nodes_.v, 0.5 * dt);
     contact_.do_work(nodes_.v, 0.5 * dt);
@@ -297,7 +334,9 @@ void Structure::drift(double dt) {
     if (model_.water) model_.water->load.do_work(nodes_.v, 0.5 * dt);
     if (!stiffness_damping_.empty()) stiffness_damping_.do_work(elements_, nodes_, 0.5 * dt);
     model_.far_field.drift(nodes_.v, dt);
-    fem::drift(nodes_, dt, threads_);
+}
+
+void Structure::after_drift(double dt) {
     elements_.drift(dt, threads_);
     if (!faces_.empty()) faces_.follow(nodes_.x);
     for (RigidBody& body : bodies_) body.drift(nodes_, dt);
@@ -434,11 +473,12 @@ void Structure::check_health(std::int64_t n, double t) const {
     if (speed > sound)
         throw PhysicsError(when() + "a node of the structure moves at " + number_text(speed) +
                            " m/s, faster than sound in it (" + number_text(sound) +
-                           " m/s): the computation is unstable; lower fem.cfl.");
+                           " m/s): the computation is unstable; lower fem.cfl, or, if that speed of "
+                           "sound is not the material's, mend young_modulus [Pa] and density [kg/m3].");
 }
 
 void Structure::check_shape(const std::string& when) const {
-    const WorstCorner worst = worst_corner(model_.mesh, nodes_.x);
+    const WorstCorner worst = worst_corner(model_.mesh, nodes_.x, threads_);
     if (worst.share > lost_corner) return;
     const double* x = nodes_.x[worst.node].c;
     throw PhysicsError(when + model_.mesh.element_name(worst.element) + " of " +

@@ -77,6 +77,7 @@ class Structure {
     void contact_forces(std::span<const double> f);
     void kick(double dt);   // v^{n-1/2} -> v^{n+1/2}
     void drift(double dt);  // x^n -> x^{n+1}
+    void advance(double dt);  // kick and drift in one pass over the nodes, the same bits
     void hold();            // instead of kick and drift: all stays at rest where it is
 
     /// Lets the far field go, which is held until then: what holds it now stays as a constant
@@ -159,7 +160,12 @@ class Structure {
     ContactBudget budget_of(const ContactSet& set) const;
     std::vector<int> contacts_at_nodes() const;
     void pair_forces();
+    Kick before_kick(double dt);
+    void after_kick(const Kick& step);
+    void before_drift(double dt);
+    void after_drift(double dt);
     void kick_bodies(const Kick& step);
+    std::vector<std::int32_t> moved_by_others() const;
 
     Model model_;
     Elements elements_;
@@ -169,6 +175,7 @@ class Structure {
     std::unique_ptr<ImplicitParts> implicit_;
     StiffnessDamping stiffness_damping_;
     std::vector<RigidBody> bodies_;
+    std::vector<std::int32_t> moved_by_others_;  // nodes whose velocity is not the nodal kick's alone
     std::vector<ContactPair> pairs_;
     std::vector<std::uint8_t> is_rigid_;  // [n_nodes] moved by a body; empty without bodies
     int threads_;

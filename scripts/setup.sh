@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # scripts/setup.sh: installs what Undertow needs from Debian's own packages and builds it.
 # Safe to run again: what is there is kept, and a second run takes a second or two.
-# --tests builds the tests as well, --long also gets what only the long tests need (clang for fuzzing, CalculiX to compare with); UNDERTOW_BUILD=FOLDER builds elsewhere than in build/.
+# --tests builds the tests as well, --long also gets what only the long tests need (clang for fuzzing, CalculiX to compare with, VTK to open results with); UNDERTOW_BUILD=FOLDER builds elsewhere than in build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,7 +10,7 @@ extra=()
 case "${1:-}" in
     "") ;;
     --tests) targets=(all) extra=(python3-getfem python3-scipy) ;;
-    --long) targets=(all) extra=(python3-getfem python3-scipy clang calculix-ccx) ;;
+    --long) targets=(all) extra=(python3-getfem python3-scipy clang calculix-ccx python3-vtk9) ;;
     -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;;
     *) echo "scripts/setup.sh knows --tests and --long, but got: $1" >&2; exit 2 ;;
 esac

@@ -1,5 +1,7 @@
 #include "sph_solver/coupling.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -255,8 +257,15 @@ class CoupledLink : public Link {
 
     void show_surface(FluidSystem& fluid) {
         for (std::size_t k = 1; k < surface_->x.size(); k += 3) surface_->x[k] -= middle_;
+        const std::size_t thin = fluid.plates().facets();
         fluid.place_surface(std::move(surface_->quad), std::move(surface_->x));
         surface_.reset();
+        const ThinPlates& plates = fluid.plates();
+        if (plates.facets() != thin)
+            log_info(fmt::format(
+                "{} of {} coupled facets belong to plates thinner than the kernel's support "
+                "({:.4g} m): pairs of particles across them leave the neighbor lists",
+                plates.facets(), plates.all_facets(), fluid.support()));
     }
 
     void take_active(const wire::Active& active, FluidSystem& fluid) {

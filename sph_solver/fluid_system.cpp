@@ -286,7 +286,9 @@ void FluidSystem::sum_over_neighbors(Terms terms) {
     if (!shift_.empty() && terms != Terms::force) shift_.carry_density(particles);
     if (heated_ && terms != Terms::rate) dissipation(physics_, neighbors_, heating_);
     if (!surface_.placed()) return;
-    if (surface_.stale()) surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_);
+    if (surface_.stale())
+        surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_,
+                            physics_.dimension == 2);
     surface_.add(physics_, neighbors_, terms, particles);
 }
 

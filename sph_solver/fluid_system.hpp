@@ -140,6 +140,8 @@ class FluidSystem {
     std::vector<Vec3> wall_forces() const;
     const SurfaceImages& surface() const { return surface_; }
     const ThinPlates& plates() const { return plates_; }
+    /// Pairs of particles that thin plates take out of the present lists, both ways.
+    std::int64_t pairs_cut() const { return neighbors_.fluid_lists().cut_pairs(); }
     std::int64_t put_back() const { return put_back_ + openings_.put_back(); }
     std::int64_t rebuilds() const { return rebuilds_; }
     double mean_neighbors() const;                // within 2h, images included

@@ -197,6 +197,10 @@ void Recorder::write_summary(const RunFigures& f, const FluidSystem& fluid, int 
     s.set("sph.particle_steps_per_busy_s", computing > 0 ? f.particle_steps / computing : 0);
     s.set("sph.neighbors_mean", fluid.mean_neighbors());
     s.set("sph.list_rebuilds", fluid.rebuilds());
+    if (fluid.plates().any()) {
+        s.set("sph.thin_plates.facets", static_cast<std::int64_t>(fluid.plates().facets()));
+        s.set("sph.thin_plates.pairs_cut", fluid.pairs_cut());
+    }
     if (fluid.sizes().variable()) {
         s.set("sph.smoothing.capped", fluid.sizes().capped());
         s.set("sph.smoothing.capped_most", fluid.sizes().most_capped());

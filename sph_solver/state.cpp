@@ -77,6 +77,7 @@ void ClusterLists::archive(Archive& a) {
     a("part_begin", part_begin_);
     a.rows("stretch", stretch_, [](Stretch& s) { return std::tie(s.first, s.count, s.hidden); });
     a("dropped", dropped_);
+    a("cut_pairs", cut_pairs_);
     const auto length = [this](int c) {  // with all its parts
         int n = count_[c];
         for (int k = 1; k < parts(c); ++k) n += stretch_[part_begin_[c] + k - 1].count;

@@ -38,6 +38,7 @@ class AbsorbingBoundary {
 
     bool empty() const { return reaction_.node.empty(); }
     bool released() const { return released_; }
+    const std::vector<std::int32_t>& nodes() const { return reaction_.node; }
     /// Work counts from here.
     void reset_work();
     /// Holds its nodes in every direction; after the supports are in.

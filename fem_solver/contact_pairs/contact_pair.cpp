@@ -113,6 +113,8 @@ struct ContactPair::State {
     }
 
     double sight() const { return set.near > 0 ? set.near : sight_in_gaps * set.gap; }  // [m]
+    /// [m] from the flat facets, before which a round surface stands by its bulge
+    double seen_at_rest() const { return near_in_gaps * set.gap + surface.largest_bulge(); }
     double skin() const { return sight() - near_in_gaps * set.gap; }
     void gather(const Nodes& nodes);
     void widen(double dt);
@@ -125,6 +127,7 @@ struct ContactPair::State {
     static int faces_of(const ContactPoints& p) { return p.turn() ? 2 : 1; }  // on one node
     void set_stiffness(const Nodes& nodes, const ContactBudget& budget);
     bool find_touch(std::size_t i);
+    double pressed_on(const Touch& before, std::size_t i, double dt) const;
     void evaluate_node(std::size_t i, const Vector& turn_rate, double dt, double moved);
 };
 
@@ -169,7 +172,7 @@ void ContactPair::State::widen(double dt) {
     of_surface = std::sqrt(of_surface);
     for (std::size_t i = 0; i < toucher.size(); ++i) {
         const double behind = toucher[i].has_touch ? -toucher[i].touch.distance : 0;
-        radius[i] = near_in_gaps * set.gap + std::max(0.0, behind) +
+        radius[i] = seen_at_rest() + std::max(0.0, behind) +
                     2 * dt * (std::sqrt(speed2(&v[3 * i])) + of_surface);
         radius[i] = std::max(radius[i], least_radius);
     }
@@ -205,7 +208,7 @@ void ContactPair::State::find_start(const Nodes& nodes) {
     const std::size_t n = set.nodes.size();
     mass.resize(n);
     for (std::size_t i = 0; i < n; ++i) mass[i] = nodes.mass[set.nodes[i]];
-    radius.assign(n, near_in_gaps * set.gap);
+    radius.assign(n, seen_at_rest());
     first.resize(n);
     last.resize(n);
     gather(nodes);
@@ -273,6 +276,13 @@ void ContactPair::State::set_stiffness(const Nodes& nodes, const ContactBudget& 
     }
 }
 
+/// [m] by which a spring would be compressed after the step dt where it stood before.
+double ContactPair::State::pressed_on(const Touch& before, std::size_t i, double dt) const {
+    const Vector speed(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+    const double parting = dt * (speed - surface.velocity(before)).dot(before.normal);
+    return std::max(0.0, toucher[i].reach - before.distance - parting);
+}
+
 /// Forces of node i from the springs; `turn_rate` [rad/s] of a rigid surface, `moved` [m] since the
 /// search.
 void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, double dt,
@@ -282,11 +292,15 @@ void ContactPair::State::evaluate_node(std::size_t i, const Vector& turn_rate, d
     t.slipped = t.damped = 0;
     const bool out_of_reach = is_out_of_reach(i, moved);
     if (out_of_reach) t.before = -1;
+    const bool touched = t.has_touch;
+    const Touch before = t.touch;
     const bool touches = !out_of_reach && find_touch(i) && t.touch.distance < t.reach;
     if (!touches) {
         t.slipped = t.friction.squaredNorm() / t.k / 2;  // the spring snaps back
-        if (!t.has_touch)  // over a rim, which it has not climbed
-            t.slipped += std::pow(t.normal_force - t.damping_force, 2) / t.k / 2;
+        // Over a rim, which it has not climbed, it loses what the spring holds after the step. One
+        // that flew off so fast that no facet is near any more has got all of it.
+        if (touched && !t.has_touch)
+            t.slipped += 0.5 * t.k * std::pow(pressed_on(before, i, dt), 2);
         t.has_touch = false;
         t.normal_force = t.damping_force = 0;
         t.friction.setZero();
@@ -350,7 +364,7 @@ void ContactPair::balance(const NodeRows& load) {
         if (push > 0) t.reach += push / t.k;
         most = std::max(most, t.reach);
     }
-    s.least_radius = std::max(near_in_gaps * s.set.gap, most);
+    s.least_radius = std::max(s.seen_at_rest(), most + s.surface.largest_bulge());
     std::fill(s.radius.begin(), s.radius.end(), s.least_radius);
     s.search();
 }

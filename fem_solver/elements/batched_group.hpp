@@ -71,6 +71,7 @@ class BatchedGroup : public ElementGroup {
     }
     const Batches<n_corners>& batches() const { return batches_; }
     void archive(Archive& a) override {
+        batches_.archive_order(a);
         a.flat<double>("state", state_);
         a.flat<double>("plastic_strain", plastic_strain_);
         a.flat<double>("omega2", omega2_);

@@ -1,7 +1,9 @@
 #include "fem_solver/elements/batches.hpp"
 
+#include "checkpoint/archive.hpp"
 #include "fem_solver/elements/coloring.hpp"
 #include "fem_solver/elements/lumps.hpp"
+#include "wire/errors.hpp"
 
 namespace undertow::fem {
 namespace {
@@ -112,6 +114,20 @@ ElementsReport Batches<n_corners>::sweep_chunks(
     ElementsReport total;
     for (const ElementsReport& r : chunk_report_) total += r;
     return total;
+}
+
+template <int n_corners>
+void Batches<n_corners>::archive_order(Archive& a) const {
+    // Small meshes are taken as they are, by every version, and need no mark. Their checkpoints of
+    // before there was one can be read.
+    if (elements_ < large_mesh) return;
+    std::uint64_t mark = 14695981039346656037u;  // FNV-1a over the elements, batch by batch
+    for (std::int32_t e : element_at_) mark = (mark ^ std::uint64_t(e)) * 1099511628211u;
+    if (!a.same("order", mark))
+        throw InputError(
+            "the checkpoint holds the elements of a mesh of " + std::to_string(elements_) +
+            " in another order than this version of the program has; resume with the version that "
+            "wrote it, or start anew.");
 }
 
 template class Batches<8>;  // hexahedra

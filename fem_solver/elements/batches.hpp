@@ -17,6 +17,10 @@
 #include "fem_solver/elements/part.hpp"
 #include "fem_solver/mesh.hpp"
 
+namespace undertow {
+class Archive;
+}
+
 namespace undertow::fem {
 
 struct Chunk {
@@ -72,6 +76,10 @@ class Batches {
         for (std::size_t e = 0; e < slot_of_.size(); ++e)
             if (slot_of_[e] >= 0) each(e, slot_of_[e] / n_lanes, slot_of_[e] % n_lanes);
     }
+
+    /// What is stored by batch means nothing in another order of the elements: that of a large mesh
+    /// is kept with it. InputError when it is not the present one.
+    void archive_order(Archive& a) const;
 
     /// Runs step_chunk(chunk) -> ElementsReport over all chunks; the sum is taken in the order of
     /// the chunks, always.

@@ -1,5 +1,8 @@
 #include "fem_solver/elements/corners.hpp"
 
+#include <algorithm>
+#include <vector>
+
 namespace undertow::fem {
 namespace {
 
@@ -15,13 +18,14 @@ double corner_jacobian(const Hexahedron& h, int corner, const Positions& at) {
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-}  // namespace
+constexpr std::size_t block_size = 8192;  // elements; the blocks' worst are compared in order
 
-WorstCorner worst_corner(const Mesh& mesh, const NodeRows& x) {
+WorstCorner worst_of_block(const Mesh& mesh, const NodeRows& x, std::size_t first,
+                           std::size_t last) {
     const auto start = [&](std::int32_t n) { return mesh.x[n].data(); };
     const auto now = [&](std::int32_t n) { return x[n].c; };
     WorstCorner worst;
-    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) {
+    for (std::size_t e = first; e < last; ++e) {
         const Hexahedron& h = mesh.hexahedra[e];
         double mean = 0, smallest = 0;
         int at = -1;
@@ -35,6 +39,20 @@ WorstCorner worst_corner(const Mesh& mesh, const NodeRows& x) {
         if (smallest < worst.share * mean) worst = {e, h[at], smallest / mean};
     }
     return worst;
+}
+
+}  // namespace
+
+WorstCorner worst_corner(const Mesh& mesh, const NodeRows& x, int threads) {
+    const std::size_t n = mesh.hexahedra.size(), blocks = (n + block_size - 1) / block_size;
+    std::vector<WorstCorner> worst(blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1 && blocks > 1)
+    for (std::size_t b = 0; b < blocks; ++b)
+        worst[b] = worst_of_block(mesh, x, b * block_size, std::min(n, (b + 1) * block_size));
+    WorstCorner all;
+    for (const WorstCorner& w : worst)
+        if (w.share < all.share) all = w;
+    return all;
 }
 
 }  // namespace undertow::fem

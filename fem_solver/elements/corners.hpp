@@ -21,7 +21,8 @@ struct WorstCorner {
                        // that has folded through is negative
 };
 
-/// Smallest of all hexahedra in the shape x [m], of the mesh that had the shape mesh.x.
-WorstCorner worst_corner(const Mesh& mesh, const NodeRows& x);
+/// Smallest of all hexahedra in the shape x [m], of the mesh that had the shape mesh.x; the same for
+/// any number of threads.
+WorstCorner worst_corner(const Mesh& mesh, const NodeRows& x, int threads);
 
 }  // namespace undertow::fem

@@ -45,6 +45,8 @@ struct StartSettings {                   // [start]
 struct OutputSettings {
     double fields_every = 0.02;          // [s] particle and mesh fields
     double history_every = 0;            // [s] forces, energies, gauges; 0 = 1/2000 of time.end
+    bool contact_fields = true;          // contact.vtkhdf of a coupled run
+    double contact_every = 0;            // [s] between its outputs; 0 = fields_every, at the same times
 };
 
 /// State on the disk to resume from. With the table there, SIGTERM and Ctrl-C end a run with one.

@@ -408,7 +408,9 @@ std::string case_json(const ResolvedCase& resolved) {
                  {"growth", c.time.growth}};
     j["start"] = {{"settle", c.start.settle}, {"damping", c.start.damping}};
     j["output"] = {{"fields_every", c.output.fields_every},
-                   {"history_every", c.output.history_every}};
+                   {"history_every", c.output.history_every},
+                   {"contact_fields", c.output.contact_fields},
+                   {"contact_every", c.output.contact_every}};
     j["checkpoint"] = nullptr;
     if (c.checkpoint.present)
         j["checkpoint"] = {{"every", c.checkpoint.every},

@@ -50,6 +50,10 @@ void read_start(TableReader& reader, StartSettings& start) {
 void read_output(TableReader& reader, OutputSettings& output) {
     reader.number("fields_every", output.fields_every, positive("s"));
     reader.number("history_every", output.history_every, at_least(0, "s"));
+    reader.flag("contact_fields", output.contact_fields);
+    reader.number("contact_every", output.contact_every, at_least(0, "s"));
+    if (!output.contact_fields && output.contact_every > 0)
+        reader.reject("contact_every", "has nothing to write: set output.contact_fields = true, or remove it.");
 }
 
 void read_checkpoint(TableReader& reader, CheckpointSettings& checkpoint) {

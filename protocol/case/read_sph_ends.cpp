@@ -3,14 +3,11 @@
 #include <cmath>
 
 #include "case/sections.hpp"
+#include "case/sph_sections.hpp"
 
 namespace undertow {
 
 namespace {
-
-std::string axes_of(const CaseInfo& info) {
-    return info.dimension == 2 ? "xz" : "xyz";
-}
 
 /// The axis of a vector that lies along one, -1 otherwise.
 int axis_of(const Vec3& v) {

@@ -260,7 +260,8 @@ void TableReader::word(const std::string& key, std::string& target,
         reject(key, "is " + kind_name(*node) + ": one of " + list_text(known) + " is expected.");
     if (std::find(known.begin(), known.end(), node->text) == known.end())
         reject(key,
-               "is not known: allowed are " + list_text(known) + did_you_mean(node->text, known));
+               known.empty() ? "is not known: the case has none to name."
+                             : "is not known: allowed are " + list_text(known) + did_you_mean(node->text, known));
     target = node->text;
 }
 

@@ -13,12 +13,11 @@
 #include <utility>
 
 #include "wire/errors.hpp"
+#include "wire/patience.hpp"
 
 namespace undertow::wire {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double longest_wait = 1.0;  // [s] of one system call
 constexpr double longest_sleep = 0.05;  // [s] at a bell, until a peer that died is noticed
@@ -33,10 +32,6 @@ constexpr int heartbeat_timeout = 60000;  // [ms]
 
 constexpr int refused = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                         ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Keeps the arrays of a sent message alive until ZeroMQ's thread has written the last of them.
 struct Parcel {

@@ -1,5 +1,6 @@
 #include "wire/failure.hpp"
 
+#include <new>
 #include <stdexcept>
 
 namespace undertow {
@@ -15,6 +16,10 @@ Failure failure_of(const std::exception& error) {
     if (dynamic_cast<const InputError*>(&error)) return {exit_input, "E_INPUT", text};
     if (dynamic_cast<const std::logic_error*>(&error))
         return {exit_physics, "E_STATE", "internal error: " + text};
+    if (dynamic_cast<const std::bad_alloc*>(&error))
+        return {exit_input, "E_IO",
+                "there is not enough memory (" + text + "): take a coarser spacing or mesh, or a machine "
+                "with more; `undertow check CASE` estimates what a case needs."};
     return {exit_input, "E_IO", text};
 }
 

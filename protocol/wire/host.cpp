@@ -13,6 +13,7 @@
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
+#include "wire/patience.hpp"
 #include "wire/recording.hpp"
 #include "wire/seat.hpp"
 #include "wire/segment.hpp"
@@ -22,9 +23,6 @@ namespace undertow::wire {
 
 namespace {
 
-constexpr double error_linger = 0.5;       // [s] for ERROR to leave; then the program ends anyway
-constexpr double on_its_way = 0.01;         // [s] for a message whose bell has been heard
-constexpr double tell_every = 0.1;          // of the deadline, that the coupler is busy
 constexpr double stranger_patience = 0.2;  // [s] for a refusal to who is not part of the run
 
 std::uint64_t draw_session() {
@@ -252,6 +250,9 @@ struct Host::Impl {
             if (longest <= 0) return false;
             if (preparing && options.stop && options.stop())
                 fail("E_STOP", "the user stopped the run before its first step", "");
+            if (preparing && !all_seated() && options.loss && options.loss())
+                fail("E_PEER_LOST",
+                     "a program of this run ended before it joined: " + missing() + "; see its log", "");
             const double listened = wait(longest);
             waited += listened;
             for (Seat& seat : seats) {

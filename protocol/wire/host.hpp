@@ -32,6 +32,7 @@ struct HostOptions {
     std::string curve{};        // folder of keys for tcp, see wire/curve_keys.hpp; empty = none
     std::string record_in{};    // folder for a recording of each session; empty = none
     bool (*stop)() = nullptr;   // true once the user wants to end; asked while the run is prepared
+    bool (*loss)() = nullptr;   // true once a program of the run has ended; asked in wait_join()
 };
 
 struct Received {
@@ -49,7 +50,8 @@ class Host {
 
     /// Waits until every expected role has said HELLO and got WELCOME. A wrong version, a taken
     /// name or a third joiner gets its ERROR. Throws PeerError E_TIMEOUT that names who is missing,
-    /// and E_STOP when the user stops the run, here or in wait_meshes().
+    /// E_STOP when the user stops the run, here or in wait_meshes(), and E_PEER_LOST when a program
+    /// of the run is said to have ended while somebody is missing.
     void wait_join();
 
     /// Waits for the meshes and answers MESH_ACK; result per participant. Particles announce one

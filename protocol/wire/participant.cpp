@@ -12,6 +12,7 @@
 #include "wire/endpoint.hpp"
 #include "wire/errors.hpp"
 #include "wire/number_text.hpp"
+#include "wire/patience.hpp"
 #include "wire/recording.hpp"
 #include "wire/segment.hpp"
 #include "wire/session.hpp"
@@ -21,15 +22,6 @@ namespace undertow::wire {
 namespace {
 
 constexpr double finish_linger = 2.0;  // [s] for BYE to leave
-constexpr double on_its_way = 0.01;    // [s] for a message whose bell has been heard
-constexpr double tell_every = 0.1;     // of the deadline, that this program is busy
-constexpr double error_linger = 0.5;   // [s] for ERROR to leave; then the program ends anyway
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 }  // namespace
 

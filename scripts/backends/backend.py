@@ -10,6 +10,7 @@ A structure has
     energies()              [J] at t: kinetic, internal, damping, contact work, balance error
     columns, motion()       names and values of a row of fem.history.csv
     summary()               its own figures of summary.fem.json
+    changing                names of the attributes that steps change, for checkpoints.py
 """
 import argparse
 import json
@@ -21,6 +22,7 @@ import sys
 import time
 import tomllib
 
+import checkpoints
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
@@ -137,6 +139,8 @@ class Energies:
     """[J] at t. Work is the mean of the power's loads at both ends of a step times the way; then the
     sum balances to round-off while dt does not change, but for the first half kick."""
 
+    changing = "kinetic", "internal", "damping", "work", "last"
+
     def __init__(self):
         self.kinetic = self.internal = self.damping = self.work = 0.0
         self.last = None
@@ -162,19 +166,45 @@ class Energies:
 class Histories:
     """fem.history.csv and energy.fem.csv, a row every `every` seconds."""
 
+    changing = "row_t", "sizes"
+
     def __init__(self, out, every, columns):
-        self.every, self.next = every, 0
-        self.motion = open(out / "fem.history.csv", "w", encoding="ascii", buffering=1)
-        self.energy = open(out / "energy.fem.csv", "w", encoding="ascii", buffering=1)
+        self.every, self.row_t = every, -1.0         # [s] of the last row
+        self.paths = out / "fem.history.csv", out / "energy.fem.csv"
+        self.columns = columns
+
+    @property
+    def sizes(self):
+        """[byte] of both files, each row written."""
+        return np.array([file.tell() for file in (self.motion, self.energy)])
+
+    @sizes.setter
+    def sizes(self, sizes):
+        """The files go on behind the rows of the checkpoint."""
+        self.motion, self.energy = (self.cut(path, int(size)) for path, size in zip(self.paths, sizes))
+
+    @staticmethod
+    def cut(path, size):
+        if not path.exists() or path.stat().st_size < size:
+            raise InputError(f"{path} is shorter than at the checkpoint or missing; the run cannot go on in it: "
+                             "start anew")
+        file = open(path, "r+", encoding="ascii", buffering=1)
+        file.truncate(size)
+        file.seek(size)
+        return file
+
+    def start(self):
+        self.motion, self.energy = (open(path, "w", encoding="ascii", buffering=1) for path in self.paths)
         self.motion.write("# displacements and forces at t, velocities half a step before\n"
-                          + ",".join(("t [s]", *columns)) + "\n")
+                          + ",".join(("t [s]", *self.columns)) + "\n")
         self.energy.write("# energies of the structure at t; internal is that of its springs\n"
                           "t [s],kinetic [J],internal [J],damping [J],contact work [J],"
                           "balance error [J]\n")
 
     def row(self, t, motion, energies):
-        if t >= self.next * self.every * (1 - 1e-12):
-            self.next = int(t / self.every * (1 + 1e-12)) + 1
+        following = int(self.row_t / self.every * (1 + 1e-12)) + 1 if self.row_t >= 0 else 0
+        if t >= following * self.every * (1 - 1e-12):
+            self.row_t = t
             self.motion.write(",".join(f"{value:.9g}" for value in (t, *motion)) + "\n")
             self.energy.write(",".join(f"{value:.9g}" for value in (t, *energies)) + "\n")
 
@@ -183,39 +213,78 @@ class Histories:
         self.energy.close()
 
 
-def take_steps(structure, link, out, history_every, stop, software):
+class Tally:
+    """What the summary says of the whole run, its parts before a resume included."""
+
+    changing = ("n", "t", "n0", "t0", "dt_min", "largest_energy", "worst_balance", "wall_s", "cpu_s", "wait_s")
+
+    def __init__(self):
+        self.n = self.n0 = 0
+        self.t = self.t0 = 0.0
+        self.dt_min, self.largest_energy, self.worst_balance = np.inf, 0.0, 0.0
+        self.wall_s = self.cpu_s = self.wait_s = 0.0
+        self._clocks = np.array([time.monotonic(), time.process_time(), 0.0])
+
+    def clock(self, waited):
+        """Brings the times up to now; waited [s] is that of this part of the run."""
+        now = np.array([time.monotonic(), time.process_time(), waited])
+        self.wall_s, self.cpu_s, self.wait_s = (now - self._clocks + [self.wall_s, self.cpu_s, self.wait_s]).tolist()
+        self._clocks = now
+
+    def count(self, dt, energies):
+        self.largest_energy = max(self.largest_energy, abs(energies[0]), energies[1], abs(energies[3]))
+        self.worst_balance, self.dt_min = max(self.worst_balance, abs(energies[4])), min(self.dt_min, dt)
+
+
+def begin(link, structure, histories, tally, keys, resume):
+    """The state at the first step: as built, or that of the set `resume`."""
+    if not resume:
+        histories.start()
+        tally.t, tally.n = tally.t0, tally.n0 = link.welcome["t0"], link.welcome["n0"]
+        return
+    state = checkpoints.read(resume, keys)
+    checkpoints.restore_parts(state, tally=tally)
+    if (tally.n, tally.t) != (link.welcome["n0"], link.welcome["t0"]):
+        raise InputError(f"{resume} is of step {tally.n}, the coupler goes on at step {link.welcome['n0']}: the "
+                         "files are of different sets")
+    checkpoints.restore_parts(state, structure=structure, histories=histories)      # which cuts what was written since
+
+
+def take_steps(structure, link, out, history_every, stop, software, keys, resume):
     """All steps; returns the figures of the summary."""
     link.announce(mesh=structure.surface, groups=[structure.surface], x=structure.x0,
                   mass=structure.nodal_mass, quad=structure.quad, group=np.zeros(len(structure.quad)))
-    t0, n0, t_end = (link.welcome[key] for key in ("t0", "n0", "te"))
+    every = history_every or link.welcome["te"] / 2000
+    histories, tally = Histories(out, every, structure.columns), Tally()
+    parts = {"tally": tally, "structure": structure, "histories": histories}
+    begin(link, structure, histories, tally, keys, resume)
     dt_limit = structure.stable_step(link.welcome["share"])
-    histories = Histories(out, history_every or (t_end - t0) / 2000, structure.columns)
-    start, cpu, t, n, dt_min = time.monotonic(), time.process_time(), t0, n0, np.inf
-    largest_energy = worst_balance = 0.0
     while True:
-        link.send_state(n, t, dt_limit, structure.positions(), structure.velocities(),
+        link.send_state(tally.n, tally.t, dt_limit, structure.positions(), structure.velocities(),
                         structure.limiter, STATE_STOP if stop else 0,
-                        work=float((n - n0) * len(structure.quad)))
+                        work=float((tally.n - tally.n0) * len(structure.quad)))
         reply = link.wait_reply()
+        while reply.checkpoint:
+            tally.clock(link.waited)
+            link.send_checkpoint_ack(*checkpoints.write(out, reply.checkpoint["id"], keys, parts))
+            reply = link.wait_reply()
         if reply.finish:
             break
-        if reply.checkpoint:
-            raise InputError("this backend does not write checkpoints")
         dt = reply.force["dt"]
         structure.step(reply.force["f"], dt)
         energies = structure.energies()
-        histories.row(t, structure.motion(), energies)
-        largest_energy = max(largest_energy, abs(energies[0]), energies[1], abs(energies[3]))
-        worst_balance, dt_min = max(worst_balance, abs(energies[4])), min(dt_min, dt)
-        t, n = reply.force["t1"], n + 1
+        histories.row(tally.t, structure.motion(), energies)
+        tally.count(dt, energies)
+        tally.t, tally.n = reply.force["t1"], tally.n + 1
     histories.close()
-    link.say_goodbye(n)
-    return {"program": software, "complete": reply.finish["reason"] == "done", "t": t,
-            "steps": n - n0, "elements": len(structure.quad), "nodes": len(structure.x0),
-            "wall_s": time.monotonic() - start, "wait_s": link.waited,
-            "cpu_s": time.process_time() - cpu,
-            "dt_min": dt_min if n > n0 else 0.0, "dt_mean": (t - t0) / max(n - n0, 1),
-            "energy_balance_error": worst_balance / largest_energy if largest_energy else 0.0,
+    link.say_goodbye(tally.n)
+    tally.clock(link.waited)
+    steps = tally.n - tally.n0
+    return {"program": software, "complete": reply.finish["reason"] == "done", "t": tally.t,
+            "steps": steps, "elements": len(structure.quad), "nodes": len(structure.x0),
+            "wall_s": tally.wall_s, "wait_s": tally.wait_s, "cpu_s": tally.cpu_s,
+            "dt_min": tally.dt_min if steps else 0.0, "dt_mean": (tally.t - tally.t0) / max(steps, 1),
+            "energy_balance_error": tally.worst_balance / tally.largest_energy if tally.largest_energy else 0.0,
             **structure.summary()}
 
 
@@ -226,6 +295,7 @@ def arguments(name, software, description):
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the results")
     parser.add_argument("--coupler", required=True, metavar="ENDPOINT", help="where it listens")
     parser.add_argument("--keys", metavar="FOLDER", help="keys for a coupler on another host")
+    parser.add_argument("--resume", metavar="FOLDER", help="go on from this set: DIR/checkpoints/STEP")
     parser.add_argument("--level", help="level of detail of the case")
     parser.add_argument("--with", dest="variants", action="append", default=[], metavar="VARIANT")
     parser.add_argument("--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE")
@@ -234,6 +304,16 @@ def arguments(name, software, description):
                         help="accepted like fem_solver's; the terminal shows errors only")
     parser.add_argument("--version", action="version", version=software)
     return parser.parse_args()
+
+
+def build(make, table, case):
+    """The structure of the table, of which every key is known."""
+    try:
+        structure = make(table)
+        table.end()
+    except InputError as error:
+        raise InputError(f"{case}: {error}") from None
+    return structure
 
 
 def main(name, software, description, make):
@@ -260,17 +340,15 @@ def main(name, software, description, make):
     link = None
     try:
         out.mkdir(parents=True, exist_ok=True)
-        logging.basicConfig(level=logging.INFO, filename=out / "fem_solver.log", filemode="w",
+        logging.basicConfig(level=logging.INFO, filename=out / "fem_solver.log", filemode="a" if options.resume else "w",
                             format="%(asctime)s %(levelname)s %(message)s")
         keys, history_every = read_case(options.case, name, options.level, options.variants,
                                         options.overrides)
-        table = Table(name, keys)
-        structure = make(table)
-        table.end()
+        structure = build(make, Table(name, keys), options.case)
         log.info("%s: %d facets, %s", software, len(structure.quad), structure.description)
         link = Participant(options.coupler, "fem", "surface", software, stop=lambda: bool(stop),
-                           keys=options.keys)
-        summary = take_steps(structure, link, out, history_every, stop, software)
+                           capabilities=["checkpoint"], keys=options.keys)
+        summary = take_steps(structure, link, out, history_every, stop, software, keys, options.resume)
         aside = out / "summary.fem.json.part"
         aside.write_text(json.dumps(summary, indent=2) + "\n", encoding="ascii")
         aside.replace(out / "summary.fem.json")
@@ -279,7 +357,7 @@ def main(name, software, description, make):
         return DONE if summary["complete"] else INTERRUPTED
     except OSError as error:
         return fail("E_IO", error, INPUT)
-    except (InputError, ValueError) as error:
+    except (InputError, checkpoints.CheckpointError, ValueError) as error:
         return fail("E_INPUT", error, INPUT)
     except PeerError as error:
         return fail(error.code, error, INTERRUPTED if error.code == "E_STOP" else PEER)

@@ -67,6 +67,7 @@ def modes_of(n_elements, length, ends, bending, line_mass):
 
 class Beam:
     limiter = "first mode of the beam"
+    changing = "q", "q_dot", "last_dt", "books", "shown", "peak", "force_max", "impulse"
     columns = "probe displacement [m]", "largest displacement [m]", "force [N]"
 
     def __init__(self, table):

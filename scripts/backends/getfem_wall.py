@@ -44,6 +44,7 @@ def sparse_of(matrix):
 
 class GetfemWall:
     limiter = "lowest mode of the block"
+    changing = "omega", "u", "v", "last_dt", "books", "shown", "peak", "force_max"
     columns = "probe displacement x [m]", "probe displacement y [m]", "probe displacement z [m]", "force [N]"
 
     def __init__(self, table):
@@ -80,7 +81,9 @@ class GetfemWall:
         self._lay_surface(nodes, on_face[wet], wet)
 
         k, m = self.stiffness[self.free][:, self.free], self.mass[self.free]
-        self.omega = float(np.sqrt(eigsh(k, 1, sparse.diags(m), sigma=0, return_eigenvectors=False)[0]))
+        # v0: left out it is drawn by chance, and with it the last bits of the step
+        self.omega = float(np.sqrt(eigsh(k, 1, sparse.diags(m), sigma=0, v0=np.ones(len(m)),
+                                         return_eigenvectors=False)[0]))
         self.k_free = k.tocsr()
         self.u, self.v = np.zeros(len(self.free)), np.zeros(len(self.free))     # [m] at t, [m/s] at t - dt/2
         self.last_dt, self.books = 0.0, Energies()

@@ -74,6 +74,8 @@ def box_mesh(low, high, divisions):
 
 class RigidBody:
     limiter = "springs of the body"
+    changing = ("u", "turn", "v", "momentum", "last_dt", "last", "kinetic", "internal", "damping", "work", "shown",
+                "peak", "force_max", "impulse")
     columns = ("base ux [m]", "base uy [m]", "base uz [m]", "theta x [rad]", "theta y [rad]",
                "theta z [rad]", "force x [N]", "force y [N]", "force z [N]")
 

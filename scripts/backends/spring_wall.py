@@ -24,6 +24,7 @@ class SpringWall:
     """m q'' + c q' + k q = F_n, q along the normal; every node moves alike."""
 
     limiter = "spring of the wall"
+    changing = "q", "q_dot", "last_dt", "books", "shown", "least", "most", "force_max", "impulse"
     columns = "displacement [m]", "velocity [m/s]", "force [N]"
 
     def __init__(self, table):

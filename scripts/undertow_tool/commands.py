@@ -34,6 +34,8 @@ def run(arguments):
                         "stands in for it with --fem.")
     if arguments.fem and not Path(arguments.fem).exists():
         raise UserError(f"--fem {arguments.fem}: there is no such program.")
+    if arguments.fem and not arguments.fem.endswith(".py") and not os.access(arguments.fem, os.X_OK):
+        raise UserError(f"--fem {arguments.fem}: this is no program that can be started; chmod +x it, or name a .py file.")
     if arguments.fem and not case["coupled"] and not case["fem"]:
         raise UserError(f"--fem {arguments.fem}: the case has no [fem] in this variant, so there is nothing to stand in for.")
     threads = arguments.threads or cores()
@@ -92,10 +94,9 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
                **join_summaries(out)}
     if outcome.failed:
         write_json(out / "summary.json", summary)
-        path, lines = last_words(outcome.failed, out)
-        words = "".join(f"\n    {line}" for line in lines)
-        raise RunFailed(outcome.code, f"{outcome.failed.name} {how_it_ended(outcome.failed)}"
-                        + (f"; the end of {shown(path)}:{words}" if path else " and left no log."))
+        words = "".join(f"\n  the end of {shown(path)}:" + "".join(f"\n    {line}" for line in lines)
+                        for path, lines in last_words(outcome.failed, out))
+        raise RunFailed(outcome.code, f"{outcome.failed.name} {how_it_ended(outcome.failed)}{words or ' and left no log.'}")
     join_energy(out)
     if outcome.code == INTERRUPTED:
         write_json(out / "summary.json", summary)
@@ -115,7 +116,19 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
         report_failed = True
         say(f"the report of {case['case']['name']} failed (above); the results in {shown(out)} are complete")
     print_report(out, summary)
+    say_warnings(outcome.children, out)
     return CHECKS_FAILED if report_failed else DONE
+
+
+def say_warnings(children, out, most=5):
+    """Once more at the end: while the run goes on those of the solvers reach their logs only."""
+    from .launch import warnings_of
+
+    told = [(child.name, text) for child in children for text in warnings_of(child, out)]
+    for name, text in told[:most]:
+        say(f"  warning of {name}: {text}")
+    if len(told) > most:
+        say(f"  and {len(told) - most} warnings more in the logs")
 
 
 def check(arguments):
@@ -304,3 +317,9 @@ def main(arguments):
     except BrokenPipeError:         # the reader of a pipe has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
+    except OSError as error:        # a disk that is full, a folder that may not be written
+        if error.filename is None:
+            raise
+        print(f"{error.filename}: {error.strerror}; check that it can be written and that the disk is not full.",
+              file=sys.stderr)
+        return INPUT

@@ -13,11 +13,12 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .errors import INTERRUPTED, PEER
+from .errors import INPUT, INTERRUPTED, PEER
 from .paths import program
 
 POLL = 0.05            # [s] between looks at the children
 GRACE = 15             # [s] the others get to end by themselves when one fails
+GRACE_ALONE = 1        # [s] a solver gets when coupler and other solver have ended and one of them failed
 GRACE_TERMINATE = 5    # [s] between SIGTERM and SIGKILL
 
 
@@ -30,6 +31,7 @@ class Child:
     process: subprocess.Popen = None
     code: int = None
     ended: float = None             # [s] monotonic
+    pressed: bool = False           # a signal told it to end, because another one had failed
 
 
 @dataclass
@@ -91,10 +93,12 @@ def plan(case, layer_options, out, threads, backend, quiet, endpoint, wire=(), o
     return [Child(name, [*command, *common, "--alone", "--threads", str(threads), *shown], threads, screen=True)]
 
 
-def end_with_parent():
-    """In the child: if the launcher is killed, the kernel asks this program to end as well."""
+def at_birth():
+    """In the child: if the launcher is killed, the kernel asks this program to end as well. SIGUSR1 waits
+    until the program has said what it means to it."""
     pr_set_pdeathsig = 1
     ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])
 
 
 class Watch:
@@ -115,6 +119,7 @@ class Watch:
                 self._start(child)
             while any(child.code is None for child in self.children):
                 self._reap()
+                self._spread()
                 self._press()
                 time.sleep(POLL)
         finally:
@@ -130,7 +135,11 @@ class Watch:
             child.process = subprocess.Popen(child.command, env=environment(child.threads),
                                              stdin=subprocess.DEVNULL, stderr=stderr,
                                              stdout=None if child.screen else stderr,
-                                             start_new_session=True, preexec_fn=end_with_parent)
+                                             start_new_session=True, preexec_fn=at_birth)
+        except OSError as error:     # no program at all: ends the others like one that failed
+            child.code, child.ended = INPUT, time.monotonic()
+            told = f"{child.command[0]} cannot be started: {error.strerror}."
+            (self.out / f"{child.name}.stderr").write_text(told + "\n")
         finally:
             if stderr:
                 stderr.close()
@@ -159,12 +168,30 @@ class Watch:
                 if child.code != 0 and self.deadline is None:
                     self.deadline = child.ended + GRACE
 
+    def _spread(self):
+        """Who has joined learns of a failure by the wire. The coupler cannot see that somebody will never
+        join, nor a solver that still prepares itself that nobody waits for it."""
+        ended = [child for child in self.children if child.code is not None]
+        left = [child for child in self.children if child.code is None and not child.pressed]
+        if not ended or self.interrupts:
+            return
+        if left and left[0].name == "coupler":
+            self._end(left[0], signal.SIGUSR1)      # which counts until all have joined
+        elif (len(left) == 1 and any(child.code for child in ended)
+              and time.monotonic() > max(child.ended for child in ended) + GRACE_ALONE):
+            self._end(left[0], signal.SIGTERM)      # in good order: after its step and its output
+
+    def _end(self, child, number):
+        child.pressed = True
+        self._signal(child, number)
+
     def _press(self):
         """Signals of rising strength to whoever is left when a deadline has passed."""
         if self.deadline is None or time.monotonic() < self.deadline or not self.harder:
             return
         number = self.harder.pop(0)
         for child in self.children:
+            child.pressed = child.pressed or child.code is None
             self._signal(child, number)
         self.deadline = time.monotonic() + GRACE_TERMINATE
 
@@ -185,25 +212,41 @@ class Watch:
 
 
 def first_failure(children):
-    """Whose failure is the cause. Within two seconds of the first end, a program that failed by itself
+    """Whose failure is the cause. Until the others are pressed to end, a program that failed by itself
     (input, physics, a crash) comes before one that only lost its peer."""
     failed = sorted((child for child in children if child.code), key=lambda child: child.ended)
     if not failed:
         return None
-    near = [child for child in failed if child.ended - failed[0].ended < 2]
+    told = (INTERRUPTED, -signal.SIGTERM, -signal.SIGKILL)      # obeyed, no cause
+    near = [child for child in failed
+            if child.ended - failed[0].ended < GRACE and not (child.pressed and child.code in told)]
     return next((child for child in near if child.code != PEER), failed[0])
 
 
 def last_words(child, out, lines=10):
-    """The end of a program's log, or of what it printed."""
+    """The end of a program's log, and what it printed beside: (path, lines) of each that has some."""
+    words, log = [], ""
     for path in (out / f"{child.name}.log", out / f"{child.name}.stderr"):
         try:
-            text = path.read_text(errors="replace").strip().splitlines()
+            text = path.read_text(errors="replace").strip()
         except FileNotFoundError:
             continue
-        if text:
-            return path, text[-lines:]
-    return None, []
+        # An error stands in the log and on the screen, there behind "program: error: ".
+        own = [line for line in text.splitlines() if line.split(": ", 2)[-1] not in log]
+        if own:
+            words.append((path, own[-lines:]))
+        log = text
+    return words
+
+
+def warnings_of(child, out):
+    """The warnings in a program's log, each text once."""
+    try:
+        lines = (out / f"{child.name}.log").read_text(errors="replace").splitlines()
+    except FileNotFoundError:
+        return []
+    return list(dict.fromkeys(line.partition(f" {child.name} warning: ")[2] for line in lines
+                              if f" {child.name} warning: " in line))
 
 
 def how_it_ended(child):

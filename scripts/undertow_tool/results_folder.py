@@ -20,6 +20,8 @@ def prepare(folder, replace):
     Returns the line to tell the user, or None. Anything that is no result folder is refused.
     """
     told = None
+    if folder.exists() and not folder.is_dir():
+        raise UserError(f"--out {shown(folder)}: this is a file; name a folder.")
     if folder.exists() and any(folder.iterdir()):
         if not is_results(folder):
             raise UserError(f"{shown(folder)} holds something other than results of this program; "
@@ -33,7 +35,14 @@ def prepare(folder, replace):
                 number += 1
             folder.rename(aside)
             told = f"earlier results moved aside to {shown(aside)}"
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        trial = folder / ".trial"               # said now, not after minutes of work
+        trial.touch()
+        trial.unlink()
+    except OSError as error:
+        raise UserError(f"--out {shown(folder)}: no results can be written there ({error.strerror}); choose another "
+                        "folder.") from None
     return told
 
 

@@ -41,7 +41,7 @@ void SurfaceImages::place(std::vector<std::int32_t> quad, std::vector<double> x)
     lift_.resize(expected_);
 }
 
-void SurfaceImages::find_near(const Particles& particles, double range) {
+void SurfaceImages::find_near(const Particles& particles, double range, bool flat) {
     near_.clear();
     slot_.assign(particles.size(), -1);
     double lo[3] = {1e300, 1e300, 1e300}, hi[3] = {-1e300, -1e300, -1e300};
@@ -80,7 +80,9 @@ void SurfaceImages::find_near(const Particles& particles, double range) {
             const double share = mirror_share(foot.offset.dot(foot.normal) / foot.distance);
             if (!(share > 0)) continue;
             // across a seam the direction to the foot turns from one facet's normal to the next's
-            const contact::Vec n = foot.offset / foot.distance, at_foot = at - foot.offset;
+            contact::Vec n = foot.offset / foot.distance;
+            if (flat) n.y() = 0, n.normalize();   // rounding must not push anybody out of the plane
+            const contact::Vec at_foot = at - foot.distance * n;
             Near near{};
             near.particle = inside[found.row[c]];
             near.distance = foot.distance;
@@ -111,13 +113,13 @@ int SurfaceImages::same_wall_of(int source, const double normal[3]) const {
 }
 
 void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& neighbors,
-                               double spacing, double moves) {
+                               double spacing, double moves, bool flat) {
     stale_ = false;
     spacing_ = spacing;
     pairs_.clear();
     const double reach = neighbors.support() + 2 * moves;
     // the other one of a pair is hardly nearer to the surface than a particle that touches
-    find_near(particles, reach - 0.4 * spacing);
+    find_near(particles, reach - 0.4 * spacing, flat);
     const std::vector<Packed>& records = neighbors.records();
     const std::vector<Extra>& extras = neighbors.extras();
     const FixedPoint& fixed = neighbors.fixed();
@@ -203,7 +205,7 @@ void SurfaceImages::find_backing(const KernelLaw& kernel, const Particles& p) {
         const double d[3] = {p.x[i] - k.point[0], p.y[i] - k.point[1], p.z[i] - k.point[2]};
         k.distance = dot(d, k.normal);
         k.weight = k.wall_speed = 0;
-        k.rate = k.push = k.a[0] = k.a[1] = k.a[2] = 0;
+        k.rate = k.push = k.mirror = k.a[0] = k.a[1] = k.a[2] = 0;
     }
     const auto lean = [&](Near& on, const Near& touching, double w) {
         const int t = touching.particle;
@@ -262,24 +264,26 @@ void SurfaceImages::find_lifts(const PairPhysics& physics, const Particles& p) {
     lifted_.resize(kept);
     for (std::size_t k = 0; k < near_.size();) {
         const int i = near_[k].particle;
-        int walls = 0;
-        for (; k < near_.size() && near_[k].particle == i; ++k) walls += near_[k].touches;
-        if (walls == 0) continue;
+        bool touches = false;
+        double mirrored[3] = {0, 0, 0};   // what images ask of the contact, over the mass [m/s2]
+        for (; k < near_.size() && near_[k].particle == i; ++k) {
+            if (!near_[k].touches) continue;
+            touches = true;
+            for (int c = 0; c < 3; ++c) mirrored[c] += near_[k].mirror * near_[k].normal[c];
+        }
+        if (!touches) continue;
         Lift& l = lift_[p.id[i]];
         const FluidLaw& fluid = physics.fluids[p.fluid[i]];
         const double l0 = 0.5 * spacing_, low = lift_low * l0, high = lift_high * l0;
         const double f[3] = {p.fx[i], p.fy[i], p.fz[i]}, force = std::sqrt(dot(f, f));
-        double n[3], weight = 0, along = 0;
+        double n[3], along = 0, mirror = 0;
         for (int c = 0; c < 3; ++c) {
             n[c] = f[c] / force;
-            weight += physics.gravity[c] * n[c];
+            mirror += mirrored[c] * n[c];
             along += l.e[c] * n[c];
         }
-        const double at_wall = p.p[i] - fluid.rho0 * weight * l0;
-        // m |f| / A with A = m/(rho0 dx); in a corner |f| belongs to several walls
-        const double pressed = fluid.rho0 * spacing_ * force / std::sqrt(double(walls));
         const double most = 0.02 * fluid.c0;
-        double rate = lift_gain * (at_wall - pressed) / (fluid.rho0 * fluid.c0);
+        double rate = lift_gain * spacing_ * (mirror - force) / fluid.c0;
         rate = std::clamp(rate, -most, most);
         if ((along >= high && rate > 0) || (along <= low && rate < 0)) rate = 0;
         for (int c = 0; c < 3; ++c) l.rate[c] += rate * n[c];
@@ -402,6 +406,7 @@ void SurfaceImages::add_pairs(const PairPhysics& physics, const KernelLaw& kerne
             for (int c = 0; c < 3; ++c)
                 k.a[c] += sign * per_mass * (F * P * along[c] - laminar * slip[c]);
             k.push += per_mass * (F * (mean - 2 * other.distance * gn) * s - laminar * closing);
+            k.mirror += per_mass * F * (p.p[a] + p.p[b] - 2 * other.distance * gn) * s;
         };
         give(i, 1, j, level, gn_b);
         if (!mirrored && a != b) give(j, -1, i, -level, gn_a);
@@ -414,8 +419,9 @@ void SurfaceImages::add_reactions() {
         if (!(pair.lean > 0)) return;
         Near &i = near_[pair.a], &j = near_[pair.b];
         Near &pushed = i.touches ? j : i, &touching = i.touches ? i : j;
-        const double share =
-            pair.lean / pushed.weight * pushed.push * (pushed.mass / touching.mass);
+        const double part = pair.lean / pushed.weight * (pushed.mass / touching.mass),
+                     share = part * pushed.push;
+        touching.mirror += part * pushed.mirror * dot(pushed.normal, touching.normal);
         for (int c = 0; c < 3; ++c) touching.a[c] -= share * pushed.normal[c];
     });
     for (Near& k : near_)
@@ -426,14 +432,17 @@ void SurfaceImages::add_reactions() {
 void SurfaceImages::add(const PairPhysics& physics, const Neighborhood& neighbors, Terms terms,
                         Particles& particles) {
     find_touching(particles);
-    if (terms != Terms::rate) find_lifts(physics, particles);
-    if (pairs_.empty()) return;
+    if (pairs_.empty()) {
+        if (terms != Terms::rate) find_lifts(physics, particles);
+        return;
+    }
     const auto sum = [&](const auto& kernel) {
         find_backing(kernel, particles);
         add_pairs(physics, kernel, neighbors, particles);
         if (terms != Terms::rate) add_reactions();
     };
     with_kernel(physics.kernel, physics.h, physics.dimension, sum);
+    if (terms != Terms::rate) find_lifts(physics, particles);
     for (const Near& k : near_) {
         const int i = k.particle;
         if (terms != Terms::force) particles.drho_dt.add(i, k.rate);

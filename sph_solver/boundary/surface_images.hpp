@@ -16,9 +16,11 @@
 // hold it at its radius l0 for good: where the flow converges along a wall the layer could not
 // thicken, and would shoot ahead as a sheet of its own. So the particle solver moves the point with
 // which a particle touches by e along the contact force, in acoustic equilibrium with its fluid:
-//   de/dt = 0.8 (p_i - rho0 g.n l0 - N/A)/(rho0 c0) - n.e/tau,   -0.3 l0 <= n.e <= 0.6 l0,  tau = 400 dx/c0
-// with N the contact force of the step before, A = dx^2. The mirror then moves with n.(v_i - de/dt).
-// What dissipates is 0.8 A (p_i - N/A)^2/(rho0 c0) >= 0.
+//   de/dt = 0.8 (M - N)/(A rho0 c0) - n.e/tau,   -0.3 l0 <= n.e <= 0.6 l0,  tau = 400 dx/c0
+// with N the contact force of the step before, A = dx^2, and M what the mirror asks of this contact: the
+// pressure force of the particle's own images, and its share of those on the particles behind. The
+// mirror then moves with n.(v_i - de/dt), and what dissipates is 0.8 (M - N)^2/(A rho0 c0) >= 0. (p_i A
+// instead of M would not know of crowded particles, each of which presses with its part of A only.)
 // Images are evaluated pair by pair and never stored:
 //   x_i - x_j' = (x_i - x_j)_t + (s_i + s_j) n,   s distance from the surface, n its normal
 // which is symmetric in i and j, also along a curved surface.
@@ -48,9 +50,9 @@ class SurfaceImages {
 
     /// Finds the particles near the surface and the pairs (i, j') within the support. To be called
     /// when stale: lists were rebuilt or the surface was placed. spacing [m]; reach [m]: how far
-    /// particles may move until the next time.
+    /// particles may move until the next time. flat: in two dimensions, x and z.
     void find_pairs(const Particles& particles, const Neighborhood& neighbors, double spacing,
-                    double reach);
+                    double reach, bool flat);
     /// The point with which particle `id` touches lies at x - e and moves with v - rate.
     struct Lift {
         double e[3] = {0, 0, 0}, rate[3] = {0, 0, 0};  // [m], [m/s]
@@ -87,6 +89,7 @@ class SurfaceImages {
         double volume, density;   // [m^d], [kg/m3]
         double weight;            // sum of their kernel values [1/m^d]
         double rate, a[3], push;  // results: [kg/m3/s], [m/s2], along the normal [m/s2]
+        double mirror;            // of the pressure of all images it carries [m/s2]
     };
     /// j' is the image of near particle b, or of its mirror image `record` at a plane (-1 = none).
     struct Pair {
@@ -101,7 +104,7 @@ class SurfaceImages {
     void for_all_pairs(F&& f);
     void find_touching(const Particles& particles);
     void find_lifts(const PairPhysics& physics, const Particles& particles);
-    void find_near(const Particles& particles, double range);
+    void find_near(const Particles& particles, double range, bool flat);
     int same_wall_of(int source, const double normal[3]) const;
     template <class KernelLaw>
     void find_backing(const KernelLaw& kernel, const Particles& particles);

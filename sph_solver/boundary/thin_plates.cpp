@@ -300,11 +300,10 @@ bool ThinPlates::look_around(const Box& box, Around& around) const {
     return true;
 }
 
-/// [clusters], empty or by entry who does not see it.
-std::vector<std::vector<std::uint8_t>> ThinPlates::hidden_in(const Scene& s,
-                                                             const ClusterLists& lists) const {
+ThinPlates::Hidden ThinPlates::hidden_in(const Scene& s, const ClusterLists& lists) const {
     const int clusters = lists.clusters();
-    std::vector<std::vector<std::uint8_t>> of(clusters);
+    Hidden found{std::vector<std::vector<std::uint8_t>>(clusters)};
+    std::int64_t pairs = 0;
     const std::size_t planes = std::size_t(1) << s.mirror.size();
     /// Is a plate between target i and record j, as the planes reflect the path between them?
     const auto apart = [&](int i, const Vec3& x_i, int j, const Vec3& x_j) {
@@ -320,7 +319,7 @@ std::vector<std::vector<std::uint8_t>> ThinPlates::hidden_in(const Scene& s,
             if (part == 0) return false;
         }
     };
-#pragma omp parallel
+#pragma omp parallel reduction(+ : pairs)
     {
         Around around;
         std::vector<std::uint8_t> hidden;
@@ -361,27 +360,26 @@ std::vector<std::vector<std::uint8_t>> ThinPlates::hidden_in(const Scene& s,
                     else
                         all = false;
                 }
+                pairs += std::popcount(who);
                 if (who && all) who = ClusterLists::nobody;
                 any |= who != 0;
                 hidden.push_back(who);
             }
-            if (any) of[c] = hidden;
+            if (any) found.of[c] = hidden;
         }
     }
-    return of;
+    found.pairs = pairs;
+    return found;
 }
 
 void ThinPlates::cut(const Scene& scene, ClusterLists& lists) const {
     if (!any()) return;
-    const auto hidden = hidden_in(scene, lists);
-    if (std::any_of(hidden.begin(), hidden.end(), [](const auto& h) { return !h.empty(); }))
-        lists.hide(hidden);
+    const Hidden hidden = hidden_in(scene, lists);
+    if (hidden.any()) lists.hide(hidden.of, hidden.pairs);
 }
 
 bool ThinPlates::would_cut(const Scene& scene, const ClusterLists& lists) const {
-    if (!any()) return false;
-    const auto hidden = hidden_in(scene, lists);
-    return std::any_of(hidden.begin(), hidden.end(), [](const auto& h) { return !h.empty(); });
+    return any() && hidden_in(scene, lists).any();
 }
 
 }  // namespace undertow::sph

@@ -40,6 +40,8 @@ class ThinPlates {
     bool any() const { return !thin_.empty(); }
     /// Facets of thin plates.
     std::size_t facets() const { return thin_.size(); }
+    /// Facets of the surface that was placed, thin or not.
+    std::size_t all_facets() const { return quad_.size() / 4; }
     void archive(Archive& a);
 
     /// Whether a plate is between two points [m]; the same for (a, b) and (b, a).
@@ -77,8 +79,13 @@ class ThinPlates {
     void for_each_bucket(const Box& box, F&& f) const;
     struct Around;
     bool look_around(const Box& box, Around& around) const;
-    std::vector<std::vector<std::uint8_t>> hidden_in(const Scene& scene,
-                                                     const ClusterLists& lists) const;
+    /// [clusters], empty or by entry who does not see it; and how many pairs that are.
+    struct Hidden {
+        std::vector<std::vector<std::uint8_t>> of;
+        std::int64_t pairs = 0;
+        bool any() const { return pairs > 0; }
+    };
+    Hidden hidden_in(const Scene& scene, const ClusterLists& lists) const;
 
     std::vector<std::int32_t> quad_;
     std::vector<double> last_x_;        // as of find_thin

@@ -116,6 +116,7 @@ void ClusterLists::build(const ColumnGrid& grid, const FixedPoint& fixed,
     part_begin_.clear();
     stretch_.clear();
     dropped_ = 0;
+    cut_pairs_ = 0;
     begin_.resize(clusters);
     count_.resize(clusters);
     of_first_kind_.resize(clusters);
@@ -199,7 +200,8 @@ std::int64_t ClusterLists::entries() const {
     return sum;
 }
 
-void ClusterLists::hide(const std::vector<std::vector<std::uint8_t>>& from) {
+void ClusterLists::hide(const std::vector<std::vector<std::uint8_t>>& from, std::int64_t pairs) {
+    cut_pairs_ = pairs;
     part_begin_.assign(1, 0);
     std::vector<int> list;
     for (int c = 0; c < clusters(); ++c) {

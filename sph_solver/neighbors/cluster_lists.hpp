@@ -68,8 +68,11 @@ class ClusterLists {
     }
     bool cut() const { return !stretch_.empty() || dropped_ > 0; }
     static constexpr std::uint8_t nobody = 0xff;
+    /// Pairs (i, j) within range that were taken out, (j, i) too.
+    std::int64_t cut_pairs() const { return cut_pairs_; }
     /// [clusters], each empty or by entry who does not see it; entries that `nobody` sees are dropped.
-    void hide(const std::vector<std::vector<std::uint8_t>>& from);
+    /// `pairs` that is in all.
+    void hide(const std::vector<std::vector<std::uint8_t>>& from, std::int64_t pairs);
 
  private:
     struct Stretch {
@@ -79,6 +82,7 @@ class ClusterLists {
     std::vector<int> part_begin_;     // [clusters + 1]; empty unless lists were cut
     std::vector<Stretch> stretch_;
     std::int64_t dropped_ = 0;        // entries
+    std::int64_t cut_pairs_ = 0;
     std::vector<int*> begin_;
     std::vector<int> count_, of_first_kind_;
     std::vector<std::vector<int>> buffer_;   // one per block of clusters; keeps its capacity

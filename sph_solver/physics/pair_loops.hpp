@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "sph_solver/kernels/kernels.hpp"
@@ -20,6 +21,11 @@ void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoS
             Terms terms, Particles& particles, ShearRate shear_rate);
 
 namespace {
+
+/// Double takes mixtures in two passes where float takes one: loops that find both terms of all
+/// contents would double the time of compiling them, for runs that want few digits' difference.
+template <class Real>
+inline constexpr bool both_of_mixtures = std::is_same_v<Real, float>;
 
 template <class Real>
 inline void store(Real* a, Eight<Real> value) {
@@ -282,12 +288,14 @@ void sum_mixed_clusters(const KernelLaw& kernel, const PairPhysics& physics,
 template <class Real, Terms terms, Gradient gradient, ViscousForm form, class KernelLaw>
 void sum_with(const KernelLaw& kernel, const PairPhysics& physics, const Neighborhood& neighbors,
               const NoSlipImages& no_slip, ShearRate shear_rate, Particles& particles) {
-    if (physics.mixed())
-        sum_mixed_clusters<Real, KernelLaw, terms, gradient, form>(kernel, physics, neighbors,
-                                                                   no_slip, shear_rate, particles);
-    else
-        sum_clusters<Real, KernelLaw, terms, gradient, form>(kernel, physics, neighbors, no_slip,
-                                                             particles);
+    if constexpr (terms != Terms::both || both_of_mixtures<Real>)
+        if (physics.mixed()) {
+            sum_mixed_clusters<Real, KernelLaw, terms, gradient, form>(
+                kernel, physics, neighbors, no_slip, shear_rate, particles);
+            return;
+        }
+    sum_clusters<Real, KernelLaw, terms, gradient, form>(kernel, physics, neighbors, no_slip,
+                                                         particles);
 }
 
 template <class Real, Terms terms, ViscousForm form, class KernelLaw>
@@ -309,6 +317,11 @@ template <class Real>
 void sum_in(const PairPhysics& physics, const Neighborhood& neighbors, const NoSlipImages& no_slip,
             Terms terms, Particles& particles, ShearRate shear_rate) {
     constexpr auto laplacian = ViscousForm::laplacian, strain = ViscousForm::strain;
+    if (terms == Terms::both && physics.mixed() && !both_of_mixtures<Real>) {
+        for (const Terms one : {Terms::rate, Terms::force})
+            sum_in<Real>(physics, neighbors, no_slip, one, particles, shear_rate);
+        return;
+    }
     if (terms == Terms::force) neighbors.marked().need(neighbors.fluid_lists());
     const bool along_pairs = physics.explicit_form() == strain;
     with_kernel(physics.kernel, physics.h, physics.dimension, [&](const auto& kernel) {

@@ -2,9 +2,10 @@
 // it at 10 m/s, c0 = 100 m/s, at a quarter of the acoustic step: search per particle, step per band
 // particle (mean from one search to the next), and what the slowest step takes. One thread.
 //   bench_contact_cost [facet size, default 0.0125 m] [particle spacing, default 0.0135 m] [speed
-//   m/s]
-// gives 50 k facets and 100 k band particles. Targets: 30 ns per band particle and step, 300 ns per
-// particle at a search.
+//   m/s, default 10] [share of the band that touches, default 0.333]
+// gives 50 k facets and 100 k band particles. The band is all particles that the search is given.
+// Targets: 30 ns per band particle and step, where 29 % of the band have a candidate facet and 10 %
+// touch (docs/theory_contact.md, section 7), 300 ns per particle at a search.
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +14,8 @@
 #include <vector>
 
 #include "clocks.hpp"
-#include "contact_scene.hpp"
 #include "contact/penalty_contact.hpp"
+#include "contact_scene.hpp"
 
 using namespace undertow::contact;
 using namespace undertow::benchmarks;
@@ -38,7 +39,8 @@ int main(int argc, char** argv) {
     const double spacing = argc > 2 ? std::atof(argv[2]) : 0.0135;
     const double speed = argc > 3 ? std::atof(argv[3]) : 10;
     const Mesh mesh = bucket(size);
-    std::vector<double> x = band_around(spacing), v(x.size(), 0);
+    const double share = argc > 4 ? std::atof(argv[4]) : 1.0 / 3;
+    std::vector<double> x = band_around(spacing, share), v(x.size(), 0);
     const std::size_t band = x.size() / 3;
     const double l0 = spacing / 2, skin = 0.3 * spacing, m = 1000 * spacing * spacing * spacing;
     const double c0 = 100, dt = 0.25 * spacing / c0, angle = speed * dt;
@@ -81,15 +83,21 @@ int main(int argc, char** argv) {
         forces = std::min(forces, parts[1] / steps);
         ledger = std::min(ledger, parts[2] / steps);
     }
-    const double step = detect + forces + ledger, per = 1e9 / double(band);
+    const double step = detect + forces + ledger,
+                 of_touching = touching > 0 ? 1e9 * step / double(touching) : 0,
+                 per = 1e9 / double(band);
     std::printf(
         "%zu facets, %zu nodes, %zu band particles, %zu active, %zu in contact, %d steps a "
         "search\n",
         mesh.quad.size() / 4, mesh.mass.size(), band, active, touching, steps);
     std::printf("search            %8.2f ms  %6.0f ns per band particle\n", 1e3 * search,
                 search * per);
-    std::printf("step              %8.3f ms  %6.1f ns per band particle, %.0f ns per active one\n",
-                1e3 * step, step * per, 1e9 * step / double(active));
+    std::printf(
+        "step              %8.3f ms  %6.1f ns per band particle, %.0f ns per active one, %.0f ns "
+        "per "
+        "contact (%.0f %% of the band)\n",
+        1e3 * step, step * per, 1e9 * step / double(active), of_touching,
+        100.0 * double(touching) / double(band));
     std::printf("  detect %.3f ms, forces %.3f ms, ledger %.3f ms; slowest step %.3f ms\n",
                 1e3 * detect, 1e3 * forces, 1e3 * ledger, 1e3 * slowest);
 }

@@ -38,18 +38,26 @@ inline Mesh bucket(double size) {
     return mesh;
 }
 
-/// Three layers along side wall and lid, the first one pressed into it by a hundredth of the
-/// spacing.
-inline std::vector<double> band_around(double spacing) {
+/// Three layers along side wall and lid (one, if more than a third of the band is to touch). Of the
+/// first layer as many as make up the share `touching` of the band are pressed into the surface by
+/// a hundredth of the spacing, the others stand off it by a tenth.
+inline std::vector<double> band_around(double spacing, double touching = 1.0 / 3) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> any(-0.05 * spacing, 0.05 * spacing);
     std::vector<double> x;
-    for (int layer = 0; layer < 3; ++layer) {
+    const int layers = touching > 0.34 ? 1 : 3;
+    std::uint32_t count = 0;
+    for (int layer = 0; layer < layers; ++layer) {
+        const auto pushed_out = [&] {  // golden ratio: evenly mixed
+            const double place = 0.6180339887498949 * double(++count);
+            return layer == 0 && place - std::floor(place) >= layers * touching ? 0.1 * spacing : 0;
+        };
         const double out = (layer + 0.49) * spacing, r = 1 + out;
         const int around = int(2 * M_PI * r / spacing), up = int(0.5 / spacing);
         for (int k = 0; k < up; ++k)
             for (int i = 0; i < around; ++i) {
-                const double angle = 2 * M_PI * i / around + any(random), d = r + 0.2 * any(random);
+                const double angle = 2 * M_PI * i / around + any(random),
+                             d = r + 0.2 * any(random) + pushed_out();
                 x.insert(x.end(), {d * std::cos(angle), d * std::sin(angle),
                                    (k + 0.5) * spacing + any(random)});
             }
@@ -58,7 +66,7 @@ inline std::vector<double> band_around(double spacing) {
             for (int j = -across; j <= across; ++j) {
                 if (std::hypot(i, j) * spacing > 1) continue;
                 x.insert(x.end(), {i * spacing + any(random), j * spacing + any(random),
-                                   0.5 + out + 0.2 * any(random)});
+                                   0.5 + out + 0.2 * any(random) + pushed_out()});
             }
     }
     return x;

@@ -212,11 +212,14 @@ class Scene:
             with h5py.File(self.out / f"{name}.vtkhdf", "r") as file:
                 steps = file["VTKHDF/Steps"].attrs["NSteps"]
                 assert len(file["VTKHDF/Steps/Values"]) >= steps, f"{name}: fewer times than steps"
-                rows = len(file["VTKHDF/Points"])
-                assert rows > 0 and abs(file["VTKHDF/Points"][rows - 1]).max() < 1, name
-                for data in file["VTKHDF/PointData"].values():
-                    assert len(data) == rows, f"{name}: {data.name} has {len(data)} rows of {rows}"
-                    data[()]
+                # who is killed while writing leaves rows behind the last counted step, which nobody reads
+                last = steps - 1
+                rows = (file["VTKHDF/Steps/PointOffsets"][last]
+                        + file["VTKHDF/NumberOfPoints"][file["VTKHDF/Steps/PartOffsets"][last]])
+                for data in (file["VTKHDF/Points"], *file["VTKHDF/PointData"].values()):
+                    assert len(data) >= rows, f"{name}: {data.name} has {len(data)} rows of {rows}"
+                    assert abs(data[rows - 1]).max() < 1e12, f"{name}: {data.name}"
+                assert abs(file["VTKHDF/Points"][rows - 1]).max() < 1, name
                 fields.append(int(steps))
         assert min(fields) >= least_fields, f"only {fields} field outputs"
         for path in self.out.glob("*.csv"):

@@ -39,7 +39,8 @@ class WatchTest(unittest.TestCase):
         return program(self.out, name, body)
 
     def test_all_done_is_code_zero(self):
-        outcome = Watch([self.child("coupler", ""), self.child("sph_solver", "")], self.out).run()
+        coupler = self.child("coupler", "time.sleep(0.5)")
+        outcome = Watch([coupler, self.child("sph_solver", "time.sleep(0.4)")], self.out).run()
         self.assertEqual(outcome.code, 0)
         self.assertIsNone(outcome.failed)
 
@@ -114,9 +115,47 @@ class WatchTest(unittest.TestCase):
 
     def test_last_words_are_the_end_of_the_log(self):
         (self.out / "sph_solver.log").write_text("".join(f"line {i}\n" for i in range(50)))
-        path, lines = launch.last_words(Child("sph_solver", [], 1), self.out)
-        self.assertEqual(path.name, "sph_solver.log")
+        (self.out / "sph_solver.stderr").write_text("sph_solver: error: line 49\nTraceback of a crash\n")
+        (log, lines), (printed, beside) = launch.last_words(Child("sph_solver", [], 1), self.out)
+        self.assertEqual(log.name, "sph_solver.log")
         self.assertEqual(lines, [f"line {i}" for i in range(40, 50)])
+        self.assertEqual(printed.name, "sph_solver.stderr")
+        self.assertEqual(beside, ["Traceback of a crash"])
+
+
+    def test_what_was_told_to_end_is_not_the_cause(self):
+        # The solver failed with a peer's code, another one that was asked to end with that of an interrupt.
+        settles = self.child("sph_solver", "signal.signal(signal.SIGTERM, lambda *_: sys.exit(130)); time.sleep(60)")
+        saved, launch.GRACE_ALONE = launch.GRACE_ALONE, 0
+        try:
+            outcome = Watch([settles, self.child("fem_solver", "time.sleep(0.2); sys.exit(3)")], self.out).run()
+        finally:
+            launch.GRACE_ALONE = saved
+        self.assertEqual((outcome.code, outcome.failed.name, settles.code), (3, "fem_solver", 130))
+
+    def test_a_solver_that_nobody_waits_for_is_asked_to_end(self):
+        coupler = self.child("coupler", "time.sleep(0.1); sys.exit(2)")
+        settles = self.child("fem_solver", "signal.signal(signal.SIGTERM, lambda *_: sys.exit(130)); time.sleep(60)")
+        saved, launch.GRACE = launch.GRACE, 1000        # so that no force ends it
+        try:
+            outcome = Watch([coupler, settles], self.out).run()
+        finally:
+            launch.GRACE = saved
+        self.assertEqual((outcome.code, outcome.failed.name, settles.code), (2, "coupler", 130))
+
+    def test_a_program_that_cannot_be_started_is_said_so(self):
+        coupler = self.child("coupler", "signal.sigwait([signal.SIGUSR1]); sys.exit(3)")
+        outcome = Watch([coupler, Child("fem_solver", ["/nonexistent/solver"], 1)], self.out).run()
+        self.assertEqual((outcome.code, outcome.failed.name), (2, "fem_solver"))
+        (_, lines), = launch.last_words(outcome.failed, self.out)
+        self.assertEqual(lines, ["/nonexistent/solver cannot be started: No such file or directory."])
+
+
+    def test_warnings_are_told_once_each_and_only_those(self):
+        (self.out / "sph_solver.log").write_text("2026 sph_solver info: a warning: none\n" + "2026 sph_solver warning: too soft\n" * 3
+                                                 + "2026 sph_solver warning: too fast\n")
+        self.assertEqual(launch.warnings_of(Child("sph_solver", [], 1), self.out), ["too soft", "too fast"])
+        self.assertEqual(launch.warnings_of(Child("coupler", [], 1), self.out), [])
 
 
 class PlanTest(unittest.TestCase):
@@ -154,11 +193,70 @@ class CommandLineTest(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("no_such_case: no results found", done.stderr)
 
+    def test_results_that_cannot_be_written_are_said_so_before_the_run(self):
+        case = str(self.TOP / "tests/faults/water_on_plate.toml")
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "file"
+            file.write_text("mine")
+            for out, words in ((file, "this is a file; name a folder"),
+                               (file / "below", "no results can be written there (Not a directory)"),
+                               ("/proc/undertow", "no results can be written there")):
+                done = self.call("run", case, "--out", str(out), build=os.environ.get("UNDERTOW_BUILD", str(self.TOP / "build")))
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(words, done.stderr)
+                self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertEqual(file.read_text(), "mine")
+
     def test_help_names_the_commands(self):
         done = self.call("--help")
         self.assertEqual(done.returncode, 0)
         for command in ("run", "check", "compare", "status", "movie"):
             self.assertIn(command, done.stdout)
+
+
+class EndsBeforeItJoins(unittest.TestCase):
+    """Real coupler and real particles; in place of the structure a program that fails at once."""
+
+    TOP = pathlib.Path(__file__).resolve().parents[2]
+
+    def run_with(self, folder, body, interpreter="/usr/bin/python3"):
+        backend = pathlib.Path(folder) / "backend.py"
+        backend.write_text(f"#!{interpreter}\nimport os, sys\n" + body)
+        backend.chmod(0o755)
+        started = time.monotonic()
+        done = subprocess.run([self.TOP / "scripts/undertow", "run", self.TOP / "tests/faults/water_on_plate.toml",
+                               "--backend", backend, "--out", pathlib.Path(folder) / "out", "--quiet",
+                               "--set", "coupling.join_timeout=60"],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, timeout=60)
+        self.assertLess(time.monotonic() - started, 50)     # join_timeout is 60 s
+        self.assertNotIn("user stopped", done.stdout)       # which the launcher's force makes the coupler say
+        self.assertRegex(done.stdout, "a program of this run ended before it joined: nobody joined as (particles, )?surface")
+        return done.returncode, done.stdout.splitlines()
+
+    def test_its_code_and_its_last_words_are_those_of_the_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code, lines = self.run_with(folder, "print('no license server', file=sys.stderr); sys.exit(7)")
+        self.assertEqual(code, 7)
+        self.assertIn("fem_solver failed with exit code 7", lines)
+        self.assertEqual(lines[-1].strip(), "no license server")
+
+    def test_a_crash(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code, lines = self.run_with(folder, "os.abort()")
+        self.assertEqual(code, 3)
+        self.assertIn("fem_solver was ended by signal 6 (Aborted)", lines[-1])
+
+    def test_one_that_calls_it_a_success(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code, lines = self.run_with(folder, "")
+        self.assertEqual(code, 3)
+        self.assertIn("nobody joined as surface", lines[-1])
+
+    def test_an_interpreter_that_is_not_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code, lines = self.run_with(folder, "", interpreter="/nonexistent/python9")
+        self.assertEqual(code, 2)
+        self.assertIn("backend.py cannot be started: No such file or directory.", lines[-1])
 
 
 class ResultsFolderTest(unittest.TestCase):

@@ -47,6 +47,8 @@ class VerifiedMeshes(unittest.TestCase):
                                   ("bar_impact", "bars", (50, 100, 200)),
                                   ("hertz_cylinder", "hertz", (4, 8, 16)),
                                   ("sliding_block", "blocks", (2, 4, 8)), ("skirt_pull_out", "skirts", (4, 8, 16)),
+                                  ("circular_footing", "clay", (4, 8, 12)),
+                                  ("strip_footing", "clay", (4, 8, 16)),
                                   ("taylor_bar", "bar", (4, 6, 8))):
             folder = CASES / "verify_fem" / case
             for n in sizes:

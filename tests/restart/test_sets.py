@@ -1,5 +1,6 @@
 """Sets of checkpoints: when they are written, what is refused by name, what goes, what a full disk
 leaves. With fem_solver alone, which is quick; test_trio.py has the three programs."""
+import hashlib
 import json
 import os
 import re
@@ -34,6 +35,15 @@ class Sets(Restart):
         run.resume(folder, *options, code=2)
         for words in says:
             self.assertIn(words, run.said)
+
+    def edit(self, folder, change):
+        """change(file) in the program's file of the set, and a manifest that fits."""
+        with h5py.File(folder / "fem.h5", "r+") as file:
+            change(file)
+        data = (folder / "fem.h5").read_bytes()
+        manifest = json.loads((folder / "manifest.json").read_text())
+        manifest["files"][0].update(bytes=len(data), sha256=hashlib.sha256(data).hexdigest())
+        (folder / "manifest.json").write_text(json.dumps(manifest))
 
     # ------------------------------------------------------------ when
 
@@ -170,14 +180,27 @@ class Sets(Restart):
     def test_a_file_that_lacks_something(self):
         run = self.cut()
         folder = run.sets()[-1]
-        with h5py.File(folder / "fem.h5", "r+") as file:
-            del file["structure/nodes/v"]
-        import hashlib
-        data = (folder / "fem.h5").read_bytes()
-        manifest = json.loads((folder / "manifest.json").read_text())
-        manifest["files"][0].update(bytes=len(data), sha256=hashlib.sha256(data).hexdigest())
-        (folder / "manifest.json").write_text(json.dumps(manifest))
+        self.edit(folder, lambda file: file.pop("structure/nodes/v"))
         self.refused(run, folder, "lacks /structure/nodes/v")
+
+    def test_elements_in_another_order(self):
+        """Of a large mesh: those of a small one are stored as the mesh has them."""
+        small = self.cut()
+        folder = small.sets()[-1]
+        with h5py.File(folder / "fem.h5") as file:
+            self.assertNotIn("order", file["structure/elements/0"])
+        many = ("--with", "many", "--set", "output.fields_every=4e-4")
+        for variant in ((), ("--with", "tetrahedra"), ("--with", "b_bar")):
+            run = self.new("structure.toml", *many, *variant).go("--set", "checkpoint.every=2e-4")
+            folder = run.sets()[-1]
+
+            def other(file):
+                file["structure/elements/0/order"][...] ^= 1
+
+            self.edit(folder, other)
+            self.refused(run, folder, "order", "resume with the version that wrote it")
+            self.edit(folder, lambda file: file.pop("structure/elements/0/order"))   # before there was one
+            self.refused(run, folder, "lacks /structure/elements/0/order", "another version")
 
     def test_the_tool_says_what_there_is(self):
         run = self.new("structure.toml", "--set", "checkpoint.every=1e-3")

@@ -24,6 +24,14 @@ class Trio(Trios):
     def test_mud_and_water_on_shells(self):
         self.check_trio("--with", "shells")
 
+    def test_mud_and_water_on_both_sides_of_a_thin_sheet(self):
+        whole, cut = self.check_trio("--with", "both_sides")
+        for run in whole, cut:  # the last one resumed
+            plates = json.loads((run.out / "summary.sph.json").read_text())["sph"]["thin_plates"]
+            self.assertEqual(plates["facets"], 36)
+            self.assertGreater(plates["pairs_cut"], 500)
+        self.assertIn("36 of 36 coupled facets", (whole.out / "sph_solver.log").read_text())
+
     def test_under_the_static_pressure_of_water(self):
         whole, _ = self.check_trio("--with", "under_water")
         without = self.trio()
@@ -39,6 +47,17 @@ class Trio(Trios):
         last = dict(zip(name[offset[-1]:], x[offset[-1]:]))
         passed = sum(last[k] < at for k, at in zip(name[:offset[1]], x[:offset[1]]))
         self.assertGreater(passed, 50, "who has passed the seam is behind where it began")
+
+    def test_pressures_of_facets_at_an_interval_of_their_own(self):
+        whole, _ = self.check_trio("--set", "output.contact_every=0.0041", "--set", "time.end=0.04", every=0.0057)
+        with h5py.File(whole.out / "contact.vtkhdf") as file:
+            t = file["VTKHDF/Steps/Values"][:]
+        # 0, each multiple of 4.1 ms passed by a step at most, and the end
+        self.assertEqual([int(v / 0.0041 * (1 + 1e-12)) for v in t], list(range(10)) + [9])
+        none = self.trio("--set", "output.contact_fields=false", "--set", "time.end=0.04")
+        self.assertFalse((none.out / "contact.vtkhdf").exists())
+        with h5py.File(none.out / "sph.vtkhdf") as file, h5py.File(whole.out / "sph.vtkhdf") as other:
+            self.assertTrue((file["VTKHDF/Points"][:] == other["VTKHDF/Points"][:]).all())
 
     def test_sigterm_then_resume(self):
         whole = self.trio()

@@ -10,6 +10,16 @@ from trios import Trios, poor_disk
 EVERY = ("--set", "checkpoint.every=0.02", "--set", "checkpoint.keep=100")
 
 
+# The wall on a spring as one that does not say it can write checkpoints.
+WALL_WITHOUT = f"""import sys
+sys.path.insert(0, {str(TOP / "scripts" / "backends")!r})
+import backend, spring_wall
+joined = backend.Participant
+backend.Participant = lambda *words, **named: joined(*words, **{{**named, "capabilities": []}})
+sys.exit(backend.main("spring_wall", "spring_wall 0.1.0", "without checkpoints", spring_wall.SpringWall))
+"""
+
+
 class TrioTrouble(Trios):
     @classmethod
     def setUpClass(cls):
@@ -57,8 +67,10 @@ class TrioTrouble(Trios):
                 self.goes_on_from_the_first(run)
 
     def test_a_backend_that_cannot_is_refused_by_name(self):
-        backend = ("--backend", TOP / "scripts" / "backends" / "spring_wall.py", "--with", "spring")
         run = self.not_yet()
+        program = run.out.parent / "wall.py"
+        program.write_text(WALL_WITHOUT)
+        backend = ("--backend", program, "--with", "spring")
         said = self.tool("run", run.case, "--out", run.out, *backend, *EVERY, code=2)
         self.assertIn("trio.toml: [checkpoint]: fem (spring_wall 0.1.0) cannot write checkpoints; "
                       "leave the table out.", said)
@@ -66,7 +78,7 @@ class TrioTrouble(Trios):
             self.assertIn("cannot write checkpoints", (run.out / log).read_text())
         self.assertEqual(list(run.out.glob("checkpoints/*")), [])
         # without the table it runs, and says why there is nothing to go on from
-        run = self.not_yet()
+        kept, run = run, self.not_yet()     # whose folder holds the program
         self.tool("run", run.case, "--out", run.out, *backend)
         self.assertIn("holds no checkpoint", self.tool("resume", run.out, code=2))
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Mesh recipe: a quarter of the clay under a circular footing, n hexahedra on its radius. Writes mesh/clay_N.msh for
-N = 4, 8, 12.
+N = 4, 8, 12, and mesh/rim.msh with a quarter of the size of clay_6 at the rim, where the stress jumps.
 
 Volume set clay; facet sets footing, xmin and ymin (planes of symmetry), far, bottom. Under the footing a square that a ring
 makes round; outside and below elements grow.
@@ -25,9 +25,10 @@ def growing(first, length, count):
     return length * (ratio**np.arange(count + 1) - 1) / (ratio**count - 1)
 
 
-def build(n):
-    mesh, m = SolidMesh(), n // 2
-    z = -growing(1 / n, DEPTH, round(1.4 * n))[::-1]
+def build(n, at_rim=1.0, more=0):
+    """Elements at the rim of `at_rim` times the size, `more` of them on each way from it."""
+    mesh, m, first = SolidMesh(), n // 2, at_rim / n
+    z = -growing(first, DEPTH, round(1.4 * n) + more)[::-1]
     angle = np.linspace(0, np.pi / 2, n + 1)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     # the square's sides bulge halfway toward the circle
@@ -49,8 +50,9 @@ def build(n):
     mesh.face("xmin", nodes[0])
     mesh.face("ymin", nodes[:, 0])
     mesh.face("footing", nodes[:, :, -1])
-    rings = [edge + q * (circle - edge) for q in np.linspace(0, 1, m + 1)]
-    outside = [(RADIUS + r) * circle for r in growing(1 / n, FAR - RADIUS, round(1.4 * n))]
+    shares = np.linspace(0, 1, m + 1) if at_rim == 1 else 1 - growing(2 * first, 1, m + more // 2)[::-1]
+    rings = [edge + q * (circle - edge) for q in shares]
+    outside = [(RADIUS + r) * circle for r in growing(first, FAR - RADIUS, round(1.4 * n) + more)]
     ring, around = block(rings), block(outside)
     for nodes in (ring, around):
         mesh.face("ymin", nodes[:, 0])
@@ -61,5 +63,7 @@ def build(n):
 
 
 if __name__ == "__main__":
+    folder = Path(__file__).resolve().parent / "mesh"
     for n in (4, 8, 12):
-        build(n).write(Path(__file__).resolve().parent / "mesh" / f"clay_{n}.msh")
+        build(n).write(folder / f"clay_{n}.msh")
+    build(6, at_rim=0.25, more=6).write(folder / "rim.msh")

@@ -7,10 +7,17 @@ RADIUS = 1.0      # [m] as in mesh.py
 ROUGH, SMOOTH = 6.05, 5.69
 
 
+def held_radius(run):
+    """[m] The outermost nodes bear half an element beyond the edge."""
+    x = run.fields.read(0, "displacement")[0]
+    beyond = x[(np.abs(x[:, 1]) < 1e-6) & (np.abs(x[:, 2]) < 1e-6) & (x[:, 0] > RADIUS + 1e-6), 0]
+    return 0.5 * (RADIUS + beyond.min())
+
+
 def course(run):
-    """(settlement [m], mean pressure over s_u) over time. The outermost nodes bear half an element beyond the edge."""
+    """(settlement [m], mean pressure over s_u) over time."""
     history = run.history("fem.history")
-    area = 0.25 * np.pi * (RADIUS + 0.5 * run.dx)**2
+    area = 0.25 * np.pi * held_radius(run)**2
     strength = run.case["fem"]["material"][0]["shear_strength"]
     return -history["footing.uz"], -history["motion footing.fz"] / (area * strength)
 

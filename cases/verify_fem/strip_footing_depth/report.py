@@ -9,7 +9,8 @@ HALF, DEPTH = 1.0, 0.25      # [m] as in ../strip_footing/mesh.py
 
 def held_half(run):
     """[m] The outermost nodes bear half an element beyond the edge."""
-    return HALF + 0.5 * run.dx
+    x = run.fields.read(0, "displacement")[0]
+    return 0.5 * (HALF + x[(x[:, 2] > -1e-6) & (x[:, 0] > HALF + 1e-6), 0].min())
 
 
 def course(run):

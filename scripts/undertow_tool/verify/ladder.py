@@ -141,9 +141,8 @@ def run_alone(solver, case, options, out, threads):
     if child.code == INTERRUPTED:
         raise KeyboardInterrupt
     if child.code != 0:
-        path, lines = last_words(child, out)
         raise RunFailed(child.code if child.code > 0 else 1, f"{solver} {how_it_ended(child)}"
-                        + "".join(f"\n    {line}" for line in lines))
+                        + "".join(f"\n    {line}" for _, lines in last_words(child, out) for line in lines))
     return {"wall_s": round(wall, 3), "cpu_s": round(used.ru_utime + used.ru_stime, 3),
             "memory_mib": round(used.ru_maxrss / 1024, 1)}
 

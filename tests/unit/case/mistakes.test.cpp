@@ -33,6 +33,10 @@ const Mistake mistakes[] = {
     {"spacing = 0.1", "spacing = 0.1\nkernel = \"wendland_c3\"",
      "case.toml:7:10: sph.kernel = \"wendland_c3\" is not known: allowed are cubic_spline, "
      "wendland_c2, wendland_c4; did you mean \"wendland_c2\"?"},
+    {"[sph]", "[output]\ncontact_fields = false\ncontact_every = 0.1\n[sph]",
+     "case.toml:7:17: output.contact_every = 0.1 has nothing to write: set output.contact_fields = true"},
+    {"[[fem.material]]\nname = \"steel\"\ndensity = 7850\nyoung_modulus = 210e9\npoisson_ratio = 0.3\n", "",
+     "case.toml:22:12: fem.part.0.material = \"steel\" is not known: the case has none to name."},
     {"spacing = 0.1", "spacing = 0.1\nsurface_images = 1",
      "case.toml:7:18: sph.surface_images = 1 is an integer: true or false is expected."},
     {"spacing = 0.1", "spacing = 0.1\ncfl = -0.1", "case.toml:7:7: sph.cfl = -0.1 is not allowed"},

@@ -35,18 +35,20 @@ inline LawSettings within_budget(double cfl, bool damped, double share_of_rest =
 }
 
 /// Every particle carries a weight that sinks it some tenths of a unit; all start off their
-/// equilibrium by up to half of it, so that some keep leaving the node and coming back. Stops when
-/// the energy has grown by 10^6.
-inline PressedEnergies press_on_one_node(const PressedNode& scene, const LawSettings& law) {
+/// equilibrium by up to half of it, so that some keep leaving the node and coming back.
+/// after_step(n, kinetic energy [J]) returns whether to go on.
+template <typename AfterStep>
+void press(const PressedNode& scene, const LawSettings& law, AfterStep after_step) {
     const double dt = 1, l0 = 100, m = scene.mass_ratio;
     const double weight = 0.02 * std::min(m, 1.0 / scene.particles);
     const double sunk = weight * (1 / m + scene.particles) / law.beta * dt * dt;
     std::mt19937 random(7);
     std::uniform_real_distribution<double> any(-1, 1);
     Particles particles;
-    for (int i = 0; i < scene.particles; ++i)
-        particles.add({0, 0, l0 - sunk * (1 + 0.5 * any(random))},
-                      {0, 0, 0.25 * sunk * any(random)}, m, l0, 1);
+    for (int i = 0; i < scene.particles; ++i) {
+        const double v = 0.25 * sunk * any(random), depth = sunk * (1 + 0.5 * any(random));
+        particles.add({0, 0, l0 - depth}, {0, 0, v}, m, l0, 1);
+    }
     Nodes plate = flat_plate(1, 1, 1e4, 1);
     for (int n : {1, 2, 3}) plate.mass[n] = 1e12;
     World world(plate, particles, law);
@@ -55,16 +57,23 @@ inline PressedEnergies press_on_one_node(const PressedNode& scene, const LawSett
         return n == 0 ? Vec(-ground * Vec::Map(world.nodes.x.data())) : Vec(0, 0, 0);
     };
     world.particle_load = [weight](std::size_t) { return Vec(0, 0, -weight); };
-    PressedEnergies energies;
     for (int n = 0; n < scene.steps; ++n) {
         world.step(dt);
         // A ball on a point would roll off: only the vertical motion is of interest.
         for (int i = 0; i < 3 * scene.particles; ++i)
             if (i % 3 != 2) world.particles.x[i] = world.particles.v[i] = 0;
-        double& largest = n < scene.steps / 10 ? energies.early : energies.late;
-        largest = std::max(largest, world.kinetic_energy());
-        if (n >= scene.steps / 10 && !(energies.late < 1e6 * energies.early)) break;
+        if (!after_step(n, world.kinetic_energy())) return;
     }
+}
+
+/// Stops when the energy has grown by 10^6.
+inline PressedEnergies press_on_one_node(const PressedNode& scene, const LawSettings& law) {
+    PressedEnergies energies;
+    press(scene, law, [&](int n, double energy) {
+        double& largest = n < scene.steps / 10 ? energies.early : energies.late;
+        largest = std::max(largest, energy);
+        return n < scene.steps / 10 || energies.late < 1e6 * energies.early;
+    });
     return energies;
 }
 

@@ -53,3 +53,27 @@ TEST_CASE("facet pressure is impulse over time and area, its peak the largest of
     CHECK(std::filesystem::exists(folder / "contact.xdmf"));
     std::filesystem::remove_all(folder);
 }
+
+TEST_CASE("an interval of its own is met by the first step that reaches a multiple of it") {
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("pressure.due." + std::to_string(getpid()));
+    std::filesystem::create_directories(folder);
+    const JointSurface plate{
+        {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0}, std::vector<double>(4, 1e6), {0, 1, 2, 3}, {0}, {"plate"}};
+    PressureField own(folder.string(), plate, 0.01);
+    std::vector<double> written;
+    for (double t = 0; t < 0.0451; t += 0.003) {  // 0.012 is the first behind 0.01, 0.03 meets its multiple
+        if (!own.due(t, false)) continue;
+        own.write(t, plate.x);
+        written.push_back(t);
+    }
+    REQUIRE(written.size() == 5);
+    const double expected[] = {0, 0.012, 0.021, 0.03, 0.042};
+    for (std::size_t k = 0; k < 5; ++k) CHECK(written[k] == Approx(expected[k]));
+    CHECK_FALSE(own.due(0.0421, true));  // a common output time is none of its own
+
+    const PressureField common(folder.string(), plate);
+    CHECK(common.due(0.0421, true));
+    CHECK_FALSE(common.due(1, false));
+    std::filesystem::remove_all(folder);
+}

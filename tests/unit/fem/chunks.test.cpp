@@ -8,6 +8,7 @@
 
 #include "fem_solver/elements/chunk_queue.hpp"
 #include "fem_solver/elements/coloring.hpp"
+#include "fem_solver/elements/corners.hpp"
 #include "fem_solver/elements/lumps.hpp"
 #include "fem_solver/setup/block_mesh.hpp"
 #include "support.hpp"
@@ -108,6 +109,26 @@ TEST_CASE("groups that share a node run one after the other, in the order of the
     CHECK(most <= 4);
     CHECK(queue.before(0).empty());
     if (n_nodes == 40) CHECK(queue.before(399).size() > 100);
+}
+
+TEST_CASE("the corner that has folded most is found wherever it is, by one thread and by two") {
+    const Mesh mesh =
+        make_block(FemBlock{{{0, 0, 0}, {26, 26, 26}}, {26, 26, 26}, {}, BlockCells::hexahedra});
+    // elements are looked at in blocks: folded ones in the first, in the middle and in the last
+    const std::size_t folded = GENERATE(3u, 9000u, 17000u);
+    const std::int32_t node = mesh.hexahedra[folded][6];
+    NodeRows x(mesh.x.size());
+    for (std::size_t n = 0; n < x.size(); ++n)
+        for (int d = 0; d < 3; ++d) x[n].c[d] = mesh.x[n][d];
+    CHECK(worst_corner(mesh, x, 2).share == 1);
+    for (int d = 0; d < 3; ++d) x[node].c[d] -= 0.9;  // along a diagonal of 1, 1, 1
+    const WorstCorner one = worst_corner(mesh, x, 1), two = worst_corner(mesh, x, 2);
+    CHECK(one.element == folded);
+    CHECK(one.node == node);
+    CHECK(one.share == Approx(-1.7));  // det of its edges, 0.9 everywhere less the unit matrix
+    CHECK(two.element == one.element);
+    CHECK(two.node == one.node);
+    CHECK(two.share == one.share);
 }
 
 }  // namespace

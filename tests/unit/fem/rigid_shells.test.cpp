@@ -12,32 +12,6 @@
 namespace undertow::fem {
 namespace {
 
-/// Adds n x n shells that span a and b from the corner at `from`, to the sets "NAME"; normals along
-/// a x b. Nodes within 1e-9 of one that is there are shared. After all solid blocks.
-void add_sheet(Mesh& mesh, const std::string& name, const Vec3& from, const Vec3& a, const Vec3& b,
-               int n) {
-    const auto node = [&](int i, int j) {
-        Vec3 x;
-        for (int d = 0; d < 3; ++d) x[d] = from[d] + a[d] * i / n + b[d] * j / n;
-        for (std::size_t k = 0; k < mesh.x.size(); ++k) {
-            double squared = 0;
-            for (int d = 0; d < 3; ++d) squared += std::pow(mesh.x[k][d] - x[d], 2);
-            if (squared < 1e-18) return std::int32_t(k);
-        }
-        mesh.x.push_back(x);
-        return std::int32_t(mesh.x.size() - 1);
-    };
-    mesh.source = "sheets";
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-            const Quad q{node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
-            mesh.volume_sets[name].push_back(std::int32_t(mesh.n_elements()));
-            mesh.facet_sets[name].push_back(q);
-            mesh.shells.push_back(q);
-            mesh.element_tag.push_back(std::int64_t(mesh.element_tag.size() + 1));
-        }
-}
-
 FemPart steel_shell(const std::string& set, double thickness) {
     FemPart part{set, "steel", ElementFormulation::shell};
     part.thickness = thickness;

@@ -12,28 +12,6 @@
 namespace undertow::fem {
 namespace {
 
-/// Adds n x n shells that span a and b from the corner at `from`, to the sets NAME; normals along
-/// a x b. After all solid blocks.
-void add_plate(Mesh& mesh, const std::string& name, const Vec3& from, const Vec3& a, const Vec3& b,
-               int n) {
-    const std::int32_t first = std::int32_t(mesh.x.size());
-    for (int i = 0; i <= n; ++i)
-        for (int j = 0; j <= n; ++j) {
-            Vec3 x;
-            for (int d = 0; d < 3; ++d) x[d] = from[d] + a[d] * i / n + b[d] * j / n;
-            mesh.x.push_back(x);
-        }
-    const auto node = [&](int i, int j) { return first + i * (n + 1) + j; };
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-            const Quad q{node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
-            mesh.volume_sets[name].push_back(std::int32_t(mesh.n_elements()));
-            mesh.facet_sets[name].push_back(q);
-            mesh.shells.push_back(q);
-            mesh.element_tag.push_back(std::int64_t(mesh.element_tag.size() + 1));
-        }
-}
-
 FemPart shell(const std::string& set, double thickness, const std::string& material = "steel") {
     FemPart part{set, material, ElementFormulation::shell};
     part.thickness = thickness;
@@ -86,9 +64,9 @@ struct BlockOnPlate {
         add_block(mesh, "block", {{-0.2, -0.2, 0}, {0.2, 0.2, 0.2}}, {4, 4, 2});
         const double z = -gap - 0.5 * thickness;
         if (side > 0)
-            add_plate(mesh, "plate", {-1, -1, z}, {2, 0, 0}, {0, 2, 0}, shells);
+            add_sheet(mesh, "plate", {-1, -1, z}, {2, 0, 0}, {0, 2, 0}, shells);
         else
-            add_plate(mesh, "plate", {-1, -1, z}, {0, 2, 0}, {2, 0, 0}, shells);
+            add_sheet(mesh, "plate", {-1, -1, z}, {0, 2, 0}, {2, 0, 0}, shells);
         c.fem.part = {{"block", "soil"}, shell("plate", thickness)};
         c.fem.contact = {contact_of("block.zmin", "plate", gap, 0.328)};
     }
@@ -129,9 +107,9 @@ TEST_CASE("two blocks hit both faces of a free plate of shells: momenta are kept
     add_block(mesh, "low", {{-0.2, -0.2, -half - 0.2}, {0.2, 0.2, -half}}, {4, 4, 2});
     add_block(mesh, "high", {{-0.25, -0.25, half}, {0.15, 0.15, half + 0.2}}, {3, 3, 2});
     if (shells_are_nodes)  // none may slide over a rim: what its spring holds would be lost
-        add_plate(mesh, "plate", {-0.15, -0.15, 0}, {0.2, 0, 0}, {0, 0.2, 0}, 3);
+        add_sheet(mesh, "plate", {-0.15, -0.15, 0}, {0.2, 0, 0}, {0, 0.2, 0}, 3);
     else
-        add_plate(mesh, "plate", {-0.3, -0.3, 0}, {0.6, 0, 0}, {0, 0.6, 0}, 5);
+        add_sheet(mesh, "plate", {-0.3, -0.3, 0}, {0.6, 0, 0}, {0, 0.6, 0}, 5);
     c.fem.part = {{"low", "soil"}, {"high", "soil"}, shell("plate", t, "soil")};
     for (const char* side : {"low.zmax", "high.zmin"})
         for (const Quad& q : mesh.facet_sets[side]) mesh.facet_sets["soles"].push_back(q);
@@ -190,7 +168,7 @@ TEST_CASE("a plate of shells squeezed between blocks is stable for 1e5 steps, li
     Mesh mesh;
     add_block(mesh, "low", {{-0.2, -0.2, -half - 0.1}, {0.2, 0.2, -half}}, {3, 3, 1});
     add_block(mesh, "high", {{-0.2, -0.2, half}, {0.2, 0.2, half + 0.1}}, {2, 2, 1});
-    add_plate(mesh, "plate", {-0.25, -0.25, 0}, {0.5, 0, 0}, {0, 0.5, 0}, 3);
+    add_sheet(mesh, "plate", {-0.25, -0.25, 0}, {0.5, 0, 0}, {0, 0.5, 0}, 3);
     FemMaterial light = c.fem.material[0];
     light.name = "light";
     light.density *= weight;
@@ -212,18 +190,7 @@ TEST_CASE("a plate of shells squeezed between blocks is stable for 1e5 steps, li
             load[set.nodes[i]].c[2] =
                 (nodes.x[set.nodes[i]].c[2] > 0 ? -1e3 : 1e3) * weight * set.area[i];
     const_cast<ContactPair&>(s.pairs()[0]).balance(load);
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-        for (int d = 0; d < 3; ++d)
-            if (nodes.inverse_mass[n].c[d] > 0) nodes.v[n].c[d] = 1e-3 * std::sin(1e5 * n + d);
-    const double dt = s.stable_step().dt;
-    double early = 0, late = 0;
-    march(s, dt, 100000, [&](int n) {
-        if (n >= 1000 && n < 99000) return;
-        const Energies e = s.energies();
-        const double moving = e.kinetic + e.internal + e.hourglass + e.pair_springs;
-        if (n >= 100 && n < 1000) early = std::max(early, moving);
-        if (n >= 99000) late = std::max(late, moving);
-    });
+    const auto [early, late] = march_shaken(s, 100000);
     WARN("squeezed plate of shells as "
          << (shells_are_nodes ? "nodes" : "surface") << ", density times " << weight << ": springs "
          << s.pairs()[0].softest() << ", energy " << early << " -> " << late << " J");

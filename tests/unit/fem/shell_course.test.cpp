@@ -1,8 +1,6 @@
 // The shell obstacle course: what the element converges to, how fast, and from which side. Linear
 // statics of the kernel's tangent; shells.test.cpp runs one of them through the time steps.
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <ctime>
@@ -247,13 +245,12 @@ std::vector<double> lowest_frequencies(const ShellModel& model, const std::vecto
                 K(i, j) = solved[i].dot(mass.cwiseProduct(q[j]));
                 M(i, j) = solved[i].dot(mass.cwiseProduct(solved[j]));
             }
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
-            0.5 * (K + K.transpose()), M);
+        const PlateModes modes = find_modes(0.5 * (K + K.transpose()), M);
         values.clear();
         for (int k = 0; k < size; ++k) {
             q[k].setZero();
-            for (int i = 0; i < size; ++i) q[k] += modes.eigenvectors()(i, k) * solved[i];
-            values.push_back(std::sqrt(modes.eigenvalues()(k)));
+            for (int i = 0; i < size; ++i) q[k] += modes.vectors(i, k) * solved[i];
+            values.push_back(std::sqrt(modes.values(k)));
         }
     }
     values.resize(wanted);

@@ -1,5 +1,6 @@
 #include "shell_statics.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
@@ -134,6 +135,15 @@ Eigen::VectorXd solve(const ShellModel& model, const std::vector<int>& fixed,
     Eigen::VectorXd u = factor.solve(f);
     for (int k = 0; k < 3; ++k) u += factor.solve(f - K * u);
     return u;
+}
+
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& K) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+PlateModes find_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> found(K, M);
+    return {found.eigenvalues(), found.eigenvectors()};
 }
 
 }  // namespace undertow::fem

@@ -41,4 +41,13 @@ Eigen::VectorXd solve(const ShellModel& model, const std::vector<int>& fixed,
 /// Internal forces of displacements.
 Eigen::VectorXd internal_forces(const ShellModel& model, const Eigen::VectorXd& u);
 
+/// Of a symmetric matrix, increasing. Here, so that Eigen's solvers are compiled once.
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& K);
+struct PlateModes {
+    Eigen::VectorXd values;   // increasing
+    Eigen::MatrixXd vectors;  // in columns
+};
+/// K x = lambda M x.
+PlateModes find_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M);
+
 }  // namespace undertow::fem

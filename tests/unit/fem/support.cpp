@@ -1,5 +1,6 @@
 #include "support.hpp"
 
+#include <cmath>
 #include <cstdint>
 
 namespace undertow::fem {
@@ -49,6 +50,25 @@ void march(Structure& structure, double dt, int steps, const std::function<void(
         each(n);
         structure.drift(dt);
     }
+}
+
+ShakenEnergy march_shaken(Structure& structure, int steps) {
+    Nodes& nodes = structure.nodes();
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        for (int d = 0; d < 3; ++d)
+            if (nodes.inverse_mass[n].c[d] > 0) nodes.v[n].c[d] = 1e-3 * std::sin(1e5 * n + d);
+    constexpr int begin = 100;
+    const int watched = steps / 100;
+    ShakenEnergy found;
+    march(structure, structure.stable_step().dt, steps, [&](int n) {
+        const bool early = n >= begin && n < begin + watched, late = n >= steps - watched;
+        if (!early && !late) return;
+        const Energies e = structure.energies();
+        double& largest = early ? found.early : found.late;
+        const double moving = e.kinetic + e.internal + e.hourglass + e.pair_springs;
+        largest = moving > largest || !std::isfinite(moving) ? moving : largest;
+    });
+    return found;
 }
 
 }  // namespace undertow::fem

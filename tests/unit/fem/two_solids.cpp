@@ -24,6 +24,36 @@ void add_block(Mesh& mesh, const std::string& name, const Box& box, std::array<i
         }
 }
 
+void add_sheet(Mesh& mesh, const std::string& name, const Vec3& from, const Vec3& a, const Vec3& b,
+               int n) {
+    const auto node_at = [&](const Vec3& x) {
+        for (std::size_t k = 0; k < mesh.x.size(); ++k) {
+            double squared = 0;
+            for (int d = 0; d < 3; ++d) squared += (mesh.x[k][d] - x[d]) * (mesh.x[k][d] - x[d]);
+            if (squared < 1e-18) return std::int32_t(k);
+        }
+        mesh.x.push_back(x);
+        return std::int32_t(mesh.x.size() - 1);
+    };
+    std::vector<std::int32_t> nodes;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j) {
+            Vec3 x;
+            for (int d = 0; d < 3; ++d) x[d] = from[d] + a[d] * i / n + b[d] * j / n;
+            nodes.push_back(node_at(x));
+        }
+    const auto node = [&](int i, int j) { return nodes[i * (n + 1) + j]; };
+    if (mesh.source.empty()) mesh.source = "sheets";
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const Quad q{node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
+            mesh.volume_sets[name].push_back(std::int32_t(mesh.n_elements()));
+            mesh.facet_sets[name].push_back(q);
+            mesh.shells.push_back(q);
+            mesh.element_tag.push_back(std::int64_t(mesh.element_tag.size() + 1));
+        }
+}
+
 void map_nodes(Mesh& mesh, const std::function<Vec3(const Vec3&)>& map) {
     for (Vec3& x : mesh.x) x = map(x);
 }

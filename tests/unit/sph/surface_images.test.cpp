@@ -188,12 +188,13 @@ TEST_CASE("a layer that presses less than its pressure stands off the surface, a
     Particles& p = fluid.particles;
     const int i = int(std::find_if(p.z.begin(), p.z.end(), [](double z) { return z < dx; }) -
                       p.z.begin());
-    CHECK(std::abs(fluid.contact_velocity(i)[2] - p.vz[i]) < 1e-9);
+    const double c0 = fluid.fluid().c0, full = 0.8 * p.fz[i] * dx / c0;
+    // what the images ask for is a sum over the kernel, 3 % off p A on a lattice
+    CHECK(std::abs(fluid.contact_velocity(i)[2] - p.vz[i]) < 0.03 * full);
     p.fz[i] *= 0.5;   // its fluid pushes twice as hard as the surface
     fluid.sum_over_neighbors(Terms::force);
-    const double c0 = fluid.fluid().c0;
     const double lift = p.vz[i] - fluid.contact_velocity(i)[2];
-    CHECK(lift == Approx(0.8 * p.fz[i] * dx / c0));   // p - N/A = N/A
+    CHECK(lift == Approx(0.5 * full).margin(0.03 * full));
     for (int n = 0; n < 2000; ++n) {
         fluid.sum_over_neighbors(Terms::force);
         fluid.kick_and_drift(0, 0, 0, false);   // nothing moves
@@ -261,4 +262,29 @@ TEST_CASE("a dry surface has no images: what arrives is not compressed before it
         REQUIRE(near.particles.drho_dt[i] == far.particles.drho_dt[i]);
         REQUIRE(near.particles.az[i] == far.particles.az[i]);
     }
+}
+
+TEST_CASE("in two dimensions the images push nobody out of the plane, whatever the facets") {
+    Case input = scenes::water_box(dx, size, 2);
+    input.sph.max_speed = 3;
+    FluidSystem fluid(input, 0.2);
+    // a bent floor under the water whose corners are no round numbers: closest points are off by rounding
+    std::vector<double> x;
+    for (int k = 0; k < 6; ++k)
+        for (const double y : {0.0, 0.05})
+            x.insert(x.end(), {-0.013 + 0.0223 * k, y / 3 - 0.007, -0.001 * ((k * 7) % 3)});
+    std::vector<std::int32_t> quad;
+    for (int k = 0; k < 5; ++k)
+        quad.insert(quad.end(), {2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1});
+    fluid.place_surface(quad, x);
+    scenes::disturb(fluid, 0.05, 0.1, 500);
+    sum(fluid);
+    REQUIRE(fluid.surface().pairs() > 0);
+    double out_of_plane = 0, largest = 0;
+    for (std::size_t i = 0; i < fluid.particles.size(); ++i) {
+        out_of_plane = std::max(out_of_plane, std::abs(double(fluid.particles.ay[i])));
+        largest = std::max(largest, std::abs(double(fluid.particles.az[i])));
+    }
+    CHECK(out_of_plane == 0);   // from 1e-16 of the rest particles under pressure buckle out
+    CHECK(largest > 1);
 }

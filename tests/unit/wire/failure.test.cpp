@@ -19,6 +19,8 @@ TEST_CASE("every kind of error has its exit code and its code on the wire") {
     check(PeerError("E_TIMEOUT", "fem is silent"), 3, "E_TIMEOUT", "E_TIMEOUT: fem is silent");
     check(PhysicsError("NaN"), 4, "E_PHYSICS", "NaN");
     check(std::logic_error("a row too short"), 4, "E_STATE", "internal error: a row too short");
-    check(std::bad_alloc(), 2, "E_IO", std::bad_alloc().what());
+    check(std::bad_alloc(), 2, "E_IO",
+          "there is not enough memory (std::bad_alloc): take a coarser spacing or mesh, or a machine with "
+          "more; `undertow check CASE` estimates what a case needs.");
     CHECK(failure_of(PeerError("E_STOP", "the user")).exit == exit_interrupted);
 }
