@@ -1,5 +1,6 @@
 """Rows 11, 15 and 16 of docs/fault_matrix.md: two of a kind, and what a dead run left behind."""
 import os
+import signal
 import unittest
 
 from harness import Case, Scene
@@ -9,7 +10,7 @@ from players import protocol
 class SharedPlaces(Case):
     def test_a_name_that_is_taken_and_one_that_comes_late(self):
         with Scene("dummies") as scene:
-            coupler = scene.start_coupler("--set", "time.end=5.0")
+            coupler = scene.start_coupler()
             scene.start_dummy("particles", "--height", "1")
             scene.wait_for_connection()
             scene.now()
@@ -20,9 +21,11 @@ class SharedPlaces(Case):
             with self.assertRaises(protocol.PeerError) as told:
                 protocol.Participant(scene.endpoint, "third", "surface", join_timeout=5)
             self.assertEqual(told.exception.code, "E_LATE")
-            self.assertIsNone(coupler.process.poll())
-            for name in ("coupler", "sph", "fem"):      # the run does not notice
-                scene.expect(name, 0, within=60, row=11)
+            scene.wait_for_step(scene.status()["step"] + 100)     # the run does not notice
+            scene.now()
+            coupler.signal(signal.SIGTERM)
+            for name in ("coupler", "sph", "fem"):      # 130: stopped by its user
+                scene.expect(name, 130, row=11)
 
     def test_two_couplers_on_one_endpoint(self):
         with Scene("dummies") as scene:
@@ -60,7 +63,7 @@ class SharedPlaces(Case):
             scene.start_dummy("particles", "--height", "1")
             scene.start_dummy("surface")
             scene.now()
-            for name in ("coupler", "sph", "fem"):
+            for name in ("coupler", "sph", "fem"):      # 130: stopped by its user
                 scene.expect(name, 0, within=5, row=16)
             self.assertEqual(os.listdir(scene.path / "socket"), [])
 
