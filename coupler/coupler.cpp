@@ -16,6 +16,8 @@ namespace {
 
 // Round-off of 10^6 steps, and the quantum of the forces: 2^-40 of the largest.
 constexpr double books_close = 1e-9;
+// The particle solver is shown the surface again when a node has gone this far [dx].
+constexpr double show_again = 0.02;
 
 contact::LawSettings law_of(const CouplingSettings& settings) {
     contact::LawSettings law;
@@ -209,6 +211,13 @@ void Coupler::send_same_active() {
     participants_.send_active(std::move(active));
 }
 
+/// The fluid's images behind the surface lose volume when they lag behind it.
+bool Coupler::shows_motion() const {
+    return input_.sph.surface_images &&
+           budget_->since_boxes(participants_.surface_state().x) >
+               show_again * 2 * participants_.particle_mesh().radius;
+}
+
 void Coupler::send_forces(const AgreedStep& step) {
     if (!contact_->finite())
         throw PhysicsError("The contact forces of step " + std::to_string(n_) +
@@ -223,6 +232,8 @@ void Coupler::send_forces(const AgreedStep& step) {
     if (step.output) force.flags |= wire::force_output;
     if (budget_->due(step.dt)) {
         force.flags |= wire::force_probe;
+        send_boxes();
+    } else if (shows_motion()) {
         send_boxes();
     }
     participants_.send_forces(force, contact_->on_particles(), contact_->on_nodes());

@@ -48,6 +48,7 @@ class Coupler {
     void send_boxes();
     void send_active();
     void send_same_active();
+    bool shows_motion() const;
     void send_forces(const AgreedStep& step);
     void report_start_inside() const;
     void record(const AgreedStep& step);

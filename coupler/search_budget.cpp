@@ -29,9 +29,12 @@ void SearchBudget::boxes_sent(std::span<const double> x) {
     x_boxes_.assign(x.begin(), x.end());
 }
 
+double SearchBudget::since_boxes(std::span<const double> x) const {
+    return largest_displacement(x, x_boxes_);
+}
+
 void SearchBudget::searched(std::span<const double> x, double speed) {
-    const double since_boxes = largest_displacement(x, x_boxes_);
-    allowance_ = std::min(skin_, box_range() - largest_radius_ - since_boxes);
+    allowance_ = std::min(skin_, box_range() - largest_radius_ - since_boxes(x));
     x_search_.assign(x.begin(), x.end());
     used_ = 0;
     rate_ = std::max(rate_, speed);

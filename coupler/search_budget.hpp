@@ -32,6 +32,9 @@ class SearchBudget {
     /// The boxes of a coming search were built around the nodes at x (N, 3).
     void boxes_sent(std::span<const double> x);
 
+    /// [m] the largest displacement of a node since then, x (N, 3).
+    double since_boxes(std::span<const double> x) const;
+
     /// A search was made with nodes at x; `speed` [m/s] is the largest of all searched particles
     /// and nodes.
     void searched(std::span<const double> x, double speed);

@@ -25,6 +25,8 @@ constexpr int short_lived = 8, long_lived = 40;
 constexpr double narrow_skin = 0.2, wide_skin = 0.4;
 // Particles may move this far [dx] before the images behind a coupled surface are found anew.
 constexpr double along_surface = 0.2;
+// The coupled surface may go this far [dx] before feet, images and cut plates are found anew.
+constexpr double surface_goes_on = 0.1;
 // Sound goes this far [dx] before a shear rate is found anew: within the support.
 constexpr double shear_rate_hold = 2;
 
@@ -239,6 +241,7 @@ std::vector<Vec3> FluidSystem::wall_forces() const {
 }
 
 void FluidSystem::place_surface(std::vector<std::int32_t> quad, std::vector<double> x) {
+    if (surface_.follow(quad, x, surface_goes_on * spacing_)) return;
     if (with_surface_images_ && sizes_.used())
         throw InputError(
             "sph.surface_images = true does not go together with sph.variable_smoothing or with a "
@@ -287,7 +290,8 @@ void FluidSystem::sum_over_neighbors(Terms terms) {
     if (heated_ && terms != Terms::rate) dissipation(physics_, neighbors_, heating_);
     if (!surface_.placed()) return;
     if (surface_.stale())
-        surface_.find_pairs(particles, neighbors_, spacing_, along_surface * spacing_,
+        surface_.find_pairs(particles, neighbors_, spacing_,
+                            (along_surface + surface_goes_on) * spacing_,
                             physics_.dimension == 2);
     surface_.add(physics_, neighbors_, terms, particles);
 }

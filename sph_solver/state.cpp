@@ -199,8 +199,10 @@ void AbsorbingLayers::archive(Archive& a) {
 void SurfaceImages::archive(Archive& a) {
     a("quad", quad_);
     a("x", x_);
+    a("placed", placed_);
+    a("flat", flat_);
     a.rows("near", near_, [](Near& k) {
-        return std::tie(k.particle, k.point, k.normal, k.facet, k.share, k.touches, k.distance,
+        return std::tie(k.particle, k.corner, k.weight_of, k.point, k.normal, k.facet, k.share, k.touches, k.distance,
                         k.backing, k.wall_speed, k.mass, k.per_mass, k.volume, k.density, k.weight,
                         k.rate, k.a, k.push);
     });

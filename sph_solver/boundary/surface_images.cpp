@@ -37,8 +37,27 @@ double dot(const double a[3], const double b[3]) {
 void SurfaceImages::place(std::vector<std::int32_t> quad, std::vector<double> x) {
     quad_ = std::move(quad);
     x_ = std::move(x);
+    placed_ = x_;
     stale_ = true;
     lift_.resize(expected_);
+}
+
+bool SurfaceImages::follow(const std::vector<std::int32_t>& quad, const std::vector<double>& x,
+                           double most) {
+    if (x.size() != placed_.size() || quad != quad_) return false;
+    for (std::size_t k = 0; k < x.size(); k += 3) {
+        const double d[3] = {x[k] - placed_[k], x[k + 1] - placed_[k + 1], x[k + 2] - placed_[k + 2]};
+        if (dot(d, d) > most * most) return false;
+    }
+    for (Near& k : near_)
+        for (int c = 0; c < 4; ++c)
+            for (int a = 0; a < 3; ++a) {
+                if (flat_ && a == 1) continue;
+                const std::size_t at = 3 * std::size_t(k.corner[c]) + a;
+                k.point[a] += k.weight_of[c] * (x[at] - x_[at]);
+            }
+    x_ = x;
+    return true;
 }
 
 void SurfaceImages::find_near(const Particles& particles, double range, bool flat) {
@@ -87,6 +106,10 @@ void SurfaceImages::find_near(const Particles& particles, double range, bool fla
             near.particle = inside[found.row[c]];
             near.distance = foot.distance;
             near.share = share;
+            for (int a = 0; a < 4; ++a) {
+                near.corner[a] = quad_[4 * std::size_t(found.facet[f]) + a];
+                near.weight_of[a] = foot.weight[a];
+            }
             for (int a = 0; a < 3; ++a) near.point[a] = at_foot[a], near.normal[a] = n[a];
             for (int a = 0; a < 3; ++a) near.facet[a] = foot.normal[a];
             std::size_t k = first;   // in a corner a particle has several walls, of each one foot
@@ -116,6 +139,7 @@ void SurfaceImages::find_pairs(const Particles& particles, const Neighborhood& n
                                double spacing, double moves, bool flat) {
     stale_ = false;
     spacing_ = spacing;
+    flat_ = flat;
     pairs_.clear();
     const double reach = neighbors.support() + 2 * moves;
     // the other one of a pair is hardly nearer to the surface than a particle that touches

@@ -47,6 +47,11 @@ class SurfaceImages {
     /// Facets (F, 4), counter-clockwise seen from the fluid, a triangle repeats its third node;
     /// x (N, 3) [m] in the particles' coordinates.
     void place(std::vector<std::int32_t> quad, std::vector<double> x);
+    /// The same facets a little farther on: the feet go with their nodes, pairs stay. False when they
+    /// are not the same or have gone more than `most` [m] since they were placed; nothing is done then.
+    /// Distances must be those of the surface now: where they lag behind it, what the mirror does to
+    /// the density over a swing of the surface does not cancel, and the fluid loses volume.
+    bool follow(const std::vector<std::int32_t>& quad, const std::vector<double>& x, double most);
 
     /// Finds the particles near the surface and the pairs (i, j') within the support. To be called
     /// when stale: lists were rebuilt or the surface was placed. spacing [m]; reach [m]: how far
@@ -79,6 +84,8 @@ class SurfaceImages {
     /// entry per wall, one after the other.
     struct Near {
         int particle;
+        std::int32_t corner[4];   // nodes of the facet that holds the foot, and the foot's weights
+        double weight_of[4];
         double point[3], normal[3], facet[3];  // [m]; away from the foot, of the facet
         double share;             // of a mirror that the surface is there, 0 to 1
         bool touches;
@@ -114,7 +121,8 @@ class SurfaceImages {
     void add_reactions();
 
     std::vector<std::int32_t> quad_;
-    std::vector<double> x_;
+    std::vector<double> x_, placed_;   // [m] nodes, and where they were placed
+    bool flat_ = false;
     std::vector<Near> near_;
     std::vector<int> slot_;  // particle -> its first entry in near_, -1 = far
     std::vector<Pair> dealt_;          // scratch
