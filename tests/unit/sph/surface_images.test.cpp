@@ -288,3 +288,39 @@ TEST_CASE("in two dimensions the images push nobody out of the plane, whatever t
     CHECK(out_of_plane == 0);   // from 1e-16 of the rest particles under pressure buckle out
     CHECK(largest > 1);
 }
+
+TEST_CASE("images follow a surface that goes on without being placed again") {
+    const Vec3 by{0.0004, -0.0003, 0.0007};
+    const auto floor_at = [&](double part) {
+        std::vector<double> x;
+        for (int iy = 0; iy < 3; ++iy)
+            for (int ix = 0; ix < 3; ++ix)
+                x.insert(x.end(), {ix * size[0] / 2 + part * by[0], iy * size[1] / 2 + part * by[1],
+                                   part * by[2]});
+        return x;
+    };
+    const std::vector<std::int32_t> quad{0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7};
+    FluidSystem follows = basin(true), placed = basin(true), stays = basin(true);
+    for (FluidSystem* fluid : {&follows, &placed, &stays}) sum(*fluid);
+    for (const double part : {0.3, 0.7, 1.0}) follows.place_surface(quad, floor_at(part));
+    REQUIRE_FALSE(follows.surface().stale());
+    placed.place_surface({}, {});
+    placed.place_surface(quad, floor_at(1));
+    REQUIRE(placed.surface().stale());
+    for (FluidSystem* fluid : {&follows, &placed, &stays}) fluid->sum_over_neighbors(Terms::both);
+    double error = 0, change = 0;
+    for (std::size_t i = 0; i < stays.particles.size(); ++i) {
+        const auto rate = [&](const FluidSystem& fluid) { return double(fluid.particles.drho_dt[i]); };
+        error = std::max(error, std::abs(rate(follows) - rate(placed)));
+        change = std::max(change, std::abs(rate(stays) - rate(placed)));
+    }
+    CHECK(change > 1);   // [kg/m3/s]
+    CHECK(error < 1e-5 * change);
+
+    SECTION("until it has gone a tenth of a spacing, or is another one") {
+        follows.place_surface(quad, floor_at(2));
+        CHECK(follows.surface().stale());
+        stays.place_surface({0, 1, 4, 3}, floor_at(0));
+        CHECK(stays.surface().stale());
+    }
+}
