@@ -140,6 +140,7 @@ struct Host::Impl {
         if (!shared_memory || !seat.segment) return false;
         const std::size_t rows = seat.session.rows();
         const bool room = seat.segment->reserve(state_bytes(rows), force_bytes(rows));
+        seat.segment->forget_socket();   // its turn is over, what it said by it has been read
         if (!room || !seat.by_segment) return false;
         encode(force, frames);
         if (!seat.segment->write(frames)) return false;

@@ -267,6 +267,10 @@ bool Segment::heard_of_socket() {
     return std::exchange(heard_, count) != count;
 }
 
+void Segment::forget_socket() {
+    heard_ = in().by_socket.load();
+}
+
 std::uint64_t Segment::read(Message& message) {
     adopt();
     Direction& direction = in();

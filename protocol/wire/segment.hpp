@@ -64,6 +64,9 @@ class Segment {
     std::uint64_t read(Message& message);
     /// A message has gone by the socket since the last call: it may be on its way.
     bool heard_of_socket();
+    /// What has gone by it so far has been read. Otherwise a bell heard late, after its message had come,
+    /// lets the next turn look for 10 ms at a socket that stays silent.
+    void forget_socket();
 
     /// The bell of what comes to this end. Read it before looking for messages, wait with it after.
     std::uint32_t bell() const;
