@@ -60,6 +60,7 @@ void RunFigures::archive(Archive& a) {
     if (a.reading()) start_ += wall() - spent;
     a("steps", steps_);
     a("searches", searches_);
+    a("shows", shows_);
     a("outputs", outputs_);
     a("dt_min", dt_min_);
     a("dt_max", dt_max_);

@@ -194,6 +194,7 @@ void Coupler::send_boxes() {
     message.boxes = contact::boxes_around(*boxed_, message.range);
     budget_->boxes_sent(message.x);
     participants_.send_surface(std::move(message));
+    figures_->count_show();
 }
 
 void Coupler::send_active() {

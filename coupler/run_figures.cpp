@@ -106,6 +106,7 @@ void RunFigures::write(const std::string& path, const std::string& reason, doubl
     summary.set("transport", participants.transport());
     summary.set("bytes_per_step", participants.bytes() / steps);
     summary.set("searches", searches_);
+    summary.set("surface_shown", shows_);
     summary.set("late_searches", late_searches);
     summary.set("contact_s", recorder.contact_time());
     summary.set("contacts_max", std::int64_t(recorder.most_contacts()));

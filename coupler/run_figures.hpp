@@ -21,6 +21,7 @@ class RunFigures {
 
     void count(const AgreedStep& step, const contact::PenaltyContact& contact);
     void count_search() { ++searches_; }
+    void count_show() { ++shows_; }
     void count_checkpoint(double seconds) { checkpoints_.count(0, seconds); }
     void archive(Archive& a);
 
@@ -35,7 +36,7 @@ class RunFigures {
 
  private:
     double start_;  // [s] wall clock
-    std::int64_t steps_ = 0, searches_ = 0, outputs_ = 0;
+    std::int64_t steps_ = 0, searches_ = 0, shows_ = 0, outputs_ = 0;
     double dt_min_ = 0, dt_max_ = 0, dt_sum_ = 0;  // [s]
     double largest_force_ = 0;                     // [N] component on a particle
     double momentum_residual_ = 0;                 // [N] largest of any step

@@ -10,13 +10,10 @@ from . import case as cases
 from .errors import CHECKS_FAILED, DONE, INPUT, INTERRUPTED, RunFailed, UserError
 from .pareto.command import add_command as add_pareto
 from .paths import RESULTS, newest_results, shown
+from .threads import cores, may_spin, sensible_threads
 from . import keys, replay
 from .conform import command as conform
 from .verify.command import add_command as add_verify
-
-
-def cores():
-    return len(os.sched_getaffinity(0))
 
 
 def say(text):
@@ -38,7 +35,8 @@ def run(arguments):
         raise UserError(f"--fem {arguments.fem}: this is no program that can be started; chmod +x it, or name a .py file.")
     if arguments.fem and not case["coupled"] and not case["fem"]:
         raise UserError(f"--fem {arguments.fem}: the case has no [fem] in this variant, so there is nothing to stand in for.")
-    threads = arguments.threads or cores()
+    spin = may_spin(cores())
+    threads = arguments.threads or sensible_threads(case, spin)
     out = (Path(arguments.out) if arguments.out else RESULTS / cases.result_name(case, arguments)).absolute()
     told = prepare(out, arguments.force)
     write_json(out / "run.json", {**describe_run(sys.argv, threads), "folder": os.getcwd(),
@@ -54,8 +52,8 @@ def run(arguments):
         if case["coupled"]:
             share = split_threads(threads, ["coupler", "sph_solver", "fem_solver"])
             say(f"threads: sph_solver {share['sph_solver']}, fem_solver {share['fem_solver']}, coupler 1 "
-                "(OpenMP waits passively)")
-    return carry_out(case, out, arguments, threads, arguments.quiet)
+                f"({'cores are free: they spin up to 0.1 ms' if spin and threads > 1 else 'they sleep while they wait'})")
+    return carry_out(case, out, arguments, threads, arguments.quiet, spin=spin and threads > 1)
 
 
 def resume(arguments):
@@ -74,7 +72,7 @@ def resume(arguments):
         raise
 
 
-def carry_out(case, out, arguments, threads, quiet, resume=None):
+def carry_out(case, out, arguments, threads, quiet, resume=None, spin=None):
     """Runs the programs, from a set of checkpoints if `resume` names one, and reports."""
     from .join import join_energy, join_summaries
     from .launch import how_it_ended, last_words, run_programs
@@ -87,7 +85,7 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
     # a recording is that of the run's first part, from its start: a resumed run adds nothing
     outcome = run_programs(case, options, out, threads, arguments.fem, quiet, wire,
                            ["--record"] if arguments.record and not resume else [],
-                           "commands.resumed.txt" if resume else "commands.txt")
+                           "commands.resumed.txt" if resume else "commands.txt", spin=spin)
     summary = {"case": case["case"]["name"], "title": case["case"]["title"], "level": arguments.level,
                "variants": arguments.variants, "set": arguments.set, "ok": outcome.code == DONE,
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "cpu_s": round(outcome.cpu_s, 3), "threads": threads,
@@ -135,7 +133,7 @@ def check(arguments):
     from .estimate import estimate
 
     case = cases.resolve(arguments.case, cases.layer_options(arguments))
-    threads = arguments.threads or cores()
+    threads = arguments.threads or sensible_threads(case, spin=True)
     figures = estimate(case, threads)
     say(f"{case['file']}: valid. {case['case']['title']}")
     counts = [f"{figures[k]:,} {k}" for k in ("particles", "elements") if figures[k]]
@@ -246,7 +244,7 @@ def parser():
                          help="a [variant.NAME] of the case; may be repeated")
     layered.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                          help="overrides a key, such as sph.spacing=0.005; may be repeated")
-    layered.add_argument("--threads", type=positive, help="threads in all (default: every core)")
+    layered.add_argument("--threads", type=positive, help="threads in all (default: every core that has enough particles to work on)")
 
     sub = commands.add_parser("run", parents=[layered], help="run a case and report")
     sub.add_argument("--out", metavar="DIR", help="where the results go (default: results/NAME)")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from .errors import INPUT, INTERRUPTED, PEER
 from .paths import program
+from .threads import SPIN, may_spin
 
 POLL = 0.05            # [s] between looks at the children
 GRACE = 15             # [s] the others get to end by themselves when one fails
@@ -50,10 +51,10 @@ def split_threads(total, names):
     return {name: (total if name == main else 1) for name in names}
 
 
-def environment(threads):
-    """Three programs share the cores: an OpenMP thread that has nothing to do must sleep."""
+def environment(threads, spin):
+    """Of a program with so many threads, which spin a little while they wait, or sleep: see threads.py."""
     env = {k: v for k, v in os.environ.items() if k not in ("OMP_PROC_BIND", "OMP_PLACES", "GOMP_CPU_AFFINITY")}
-    env.update(OMP_NUM_THREADS=str(threads), OMP_WAIT_POLICY="passive", GOMP_SPINCOUNT="0",
+    env.update(OMP_NUM_THREADS=str(threads), OMP_WAIT_POLICY="passive", GOMP_SPINCOUNT=str(SPIN if spin else 0),
                UNDERTOW_CASE_TOOL=str(program("undertow_case")))
     return env
 
@@ -104,9 +105,10 @@ def at_birth():
 class Watch:
     """Runs the children to their common end."""
 
-    def __init__(self, children, out):
+    def __init__(self, children, out, spin):
         self.children = children
         self.out = out
+        self.spin = spin              # threads that wait for each other
         self.interrupts = 0
         self.deadline = None          # [s] monotonic, when the next harder signal is due
         self.harder = [signal.SIGTERM, signal.SIGKILL]
@@ -132,7 +134,7 @@ class Watch:
         stderr = None if child.screen else open(self.out / f"{child.name}.stderr", "wb")
         try:
             # A session of its own: Ctrl-C reaches this launcher only, which ends the run in order.
-            child.process = subprocess.Popen(child.command, env=environment(child.threads),
+            child.process = subprocess.Popen(child.command, env=environment(child.threads, self.spin),
                                              stdin=subprocess.DEVNULL, stderr=stderr,
                                              stdout=None if child.screen else stderr,
                                              start_new_session=True, preexec_fn=at_birth)
@@ -261,8 +263,10 @@ def cpu_of_children():
     return usage.ru_utime + usage.ru_stime
 
 
-def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_coupler=(), commands="commands.txt"):
-    """Runs a case; returns an Outcome. The socket lives in a private folder that goes with the run."""
+def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_coupler=(), commands="commands.txt",
+                 spin=None):
+    """Runs a case; returns an Outcome. The socket lives in a private folder that goes with the run. spin: whether
+    waiting threads do; None: if cores are free."""
     private = tempfile.mkdtemp(prefix="undertow-")       # mode 0700
     try:
         endpoint = free_endpoint((case["coupling"] or {}).get("transport", "ipc"), private)
@@ -270,7 +274,7 @@ def run_programs(case, layer_options, out, threads, backend, quiet, wire=(), of_
         (out / commands).write_text("".join(shlex.join(map(str, c.command)) + "\n" for c in children))
         sys.stdout.flush()
         before = cpu_of_children()
-        outcome = Watch(children, out).run()
+        outcome = Watch(children, out, may_spin(threads) if spin is None else spin).run()
         outcome.cpu_s = cpu_of_children() - before
     finally:
         shutil.rmtree(private, ignore_errors=True)

@@ -57,7 +57,7 @@ def measure(folder, who):
     threads = int(command[command.index("--threads") + 1]) if "--threads" in command else 1
     before, start = cpu_of_children(), time.monotonic()
     place = Path.cwd() if Path(command[1]).exists() else TOP
-    done = subprocess.run(command, cwd=place, env=environment(threads), capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=place, env=environment(threads, spin=False), capture_output=True, text=True, check=False)
     cpu = cpu_of_children() - before
     shutil.rmtree(out / "checkpoints", ignore_errors=True)      # parts of sets, written as the run wrote them
     if done.returncode != 0:

@@ -12,6 +12,7 @@ from ..launch import Child, environment, how_it_ended, last_words
 from ..paths import TOP, program, shown
 from ..report import run_report
 from ..results_folder import describe_run, prepare, read_json, write_json
+from ..threads import may_spin
 from .measured import Measured
 from .structure import MeasuredStructure, figures_of_structure
 
@@ -133,7 +134,7 @@ def run_alone(solver, case, options, out, threads):
     child = Child(solver, command, threads)
     with open(out / f"{solver}.stderr", "wb") as errors:
         started = time.monotonic()
-        child.process = subprocess.Popen(command, env=environment(threads), stdin=subprocess.DEVNULL,
+        child.process = subprocess.Popen(command, env=environment(threads, may_spin(threads)), stdin=subprocess.DEVNULL,
                                          stdout=errors, stderr=errors)
         _, status, used = os.wait4(child.process.pid, 0)
         wall = time.monotonic() - started
