@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-# Measured on two Zen 4 cores at 96 neighbors; other machines differ, so the result is an estimate.
-PARTICLE_STEPS_PER_S = 14e6 / 2       # per core
+# Measured on two cores with AVX-512 (dam break, bucket); other machines differ, so the result is an estimate.
+NEIGHBORS_PER_S = 3.4e8               # per core, two passes
+BESIDES_NEIGHBORS = 15                # of a particle's step, as neighbors
+VISCOPLASTIC = 1.35                   # times as much where a fluid's viscosity varies
 ELEMENT_STEPS_PER_S = 20e6            # per core, one-point hexahedra in double
 BBAR_STEPS_PER_S = 8e6                # the same of 8-point hexahedra
 SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does not hide
@@ -57,6 +59,17 @@ def sph_step(case):
         courant = ONE_PASS if sph["integrator"] == "one_pass" else TWO_PASS
         dt = courant * sph["spacing"] / (c0 + speed)
     return dt, f"sound, c0 = {c0:.4g} m/s"
+
+
+def particle_step(case):
+    """[s] of one core for a particle's step."""
+    sph = case["sph"]
+    ratio = sph["smoothing_ratio"]
+    neighbors = math.pi * (2 * ratio) ** 2 if case["case"]["dimension"] == 2 else 4 / 3 * math.pi * (2 * ratio) ** 3
+    yields = any(fluid["yield_stress"] > 0 or fluid["consistency"] > 0 for fluid in sph["fluid"])
+    one_pass = 0.65 if sph["integrator"] == "one_pass" else 1
+    twice = 2 if sph["precision"] == "double" else 1
+    return (neighbors + BESIDES_NEIGHBORS) / NEIGHBORS_PER_S * (VISCOPLASTIC if yields else 1) * one_pass * twice
 
 
 def read_hexahedra(path, rigid):
@@ -177,7 +190,8 @@ def estimate(case, threads):
         dt, limiter = case["time"]["max_step"], "time.max_step"
     margin = SPH_STEP_MARGIN if limiter.startswith("sph") else 1.0
     steps = case["time"]["end"] / (margin * dt)
-    work_s.append(result["particles"] * steps / (PARTICLE_STEPS_PER_S * threads))
+    if case["sph"]:
+        work_s.append(result["particles"] * steps * particle_step(case) / threads)
     # The FEM solver has one thread beside the particle solver's, and computes at the same time
     # only if a core is free.
     eight_points = case["fem"] and any(part.get("element") == "b_bar" for part in case["fem"]["part"])
