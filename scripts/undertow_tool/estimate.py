@@ -66,9 +66,9 @@ def particle_step(case):
     sph = case["sph"]
     ratio = sph["smoothing_ratio"]
     neighbors = math.pi * (2 * ratio) ** 2 if case["case"]["dimension"] == 2 else 4 / 3 * math.pi * (2 * ratio) ** 3
-    yields = any(fluid["yield_stress"] > 0 or fluid["consistency"] > 0 for fluid in sph["fluid"])
+    yields = any(fluid.get("yield_stress", 0) > 0 or fluid.get("consistency", 0) > 0 for fluid in sph["fluid"])
     one_pass = 0.65 if sph["integrator"] == "one_pass" else 1
-    twice = 2 if sph["precision"] == "double" else 1
+    twice = 2 if sph.get("precision") == "double" else 1
     return (neighbors + BESIDES_NEIGHBORS) / NEIGHBORS_PER_S * (VISCOPLASTIC if yields else 1) * one_pass * twice
 
 

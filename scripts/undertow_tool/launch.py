@@ -105,7 +105,7 @@ def at_birth():
 class Watch:
     """Runs the children to their common end."""
 
-    def __init__(self, children, out, spin):
+    def __init__(self, children, out, spin=False):
         self.children = children
         self.out = out
         self.spin = spin              # threads that wait for each other
