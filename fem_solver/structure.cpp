@@ -44,7 +44,7 @@ Structure::Structure(Model model, int threads)
                         weight_masses_of(elements_, model_))),
       contact_(model_.surface.node),
       // below this a step takes less time than waking threads several times
-      threads_(elements_.size() < 16384 ? 1 : threads) {
+      threads_(elements_.size() < 8192 ? 1 : threads) {
     for (const Support& support : model_.supports)
         for (std::int32_t n : support.nodes)
             for (int d = 0; d < 3; ++d)

@@ -29,7 +29,7 @@ class WatchTest(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.out = pathlib.Path(self.folder.name)
         self.environment = launch.environment
-        launch.environment = lambda threads: dict(os.environ)     # needs no built programs
+        launch.environment = lambda threads, spin: dict(os.environ)     # needs no built programs
 
     def tearDown(self):
         launch.environment = self.environment
@@ -288,6 +288,30 @@ class DescribeRun(unittest.TestCase):
         with mock.patch.object(results_folder.shutil, "which", return_value=None), \
              mock.patch.object(results_folder.subprocess, "run", side_effect=FileNotFoundError("git")):
             self.assertIsNone(results_folder.describe_run(["undertow"], 2)["commit"])
+
+
+class ThreadsTest(unittest.TestCase):
+    CASE = {"case": {"dimension": 3}, "sph": {"spacing": 0.1, "fill": [{"box": {"min": [0, 0, 0], "max": [1, 1, 1]}}]}}
+
+    def test_few_particles_get_one_thread(self):
+        from unittest import mock
+        from undertow_tool import threads
+        with mock.patch.object(threads, "cores", return_value=4):
+            self.assertEqual(threads.sensible_threads(self.CASE, spin=True), 2)       # 1,000 particles
+            self.assertEqual(threads.sensible_threads(self.CASE, spin=False), 1)
+            fine = {**self.CASE, "sph": {**self.CASE["sph"], "spacing": 0.02}}
+            self.assertEqual(threads.sensible_threads(fine, spin=False), 4)
+            self.assertEqual(threads.sensible_threads({"sph": None}, spin=False), 4)
+
+    def test_threads_look_before_they_sleep_only_where_cores_are_free(self):
+        from unittest import mock
+        from undertow_tool import threads
+        with mock.patch.object(threads, "cores", return_value=2):
+            for busy, wanted, may in ((0, 2, True), (1, 2, False), (None, 2, False), (0, 1, False), (0, 3, False)):
+                with mock.patch.object(threads, "busy_threads", return_value=busy):
+                    self.assertEqual(threads.may_spin(wanted), may, (busy, wanted))
+        self.assertEqual(launch.environment(2, spin=False)["GOMP_SPINCOUNT"], "0")
+        self.assertEqual(launch.environment(2, spin=True)["GOMP_SPINCOUNT"], str(threads.SPIN))
 
 
 if __name__ == "__main__":
