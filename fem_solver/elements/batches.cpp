@@ -1,5 +1,11 @@
 #include "fem_solver/elements/batches.hpp"
 
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
 #include "checkpoint/archive.hpp"
 #include "fem_solver/elements/coloring.hpp"
 #include "fem_solver/elements/lumps.hpp"
@@ -16,6 +22,27 @@ constexpr std::size_t large_mesh = 16384;
 // Chunks. Colors follow each other within a window, so that the nodes of its chunks stay in the
 // third-level cache until the last of them is through; a color of it holds a dozen chunks to share.
 constexpr std::size_t window = 128;
+// All chunks of a small mesh.
+constexpr std::size_t one_window = std::numeric_limits<std::size_t>::max();
+
+/// Sorts the first half's groups so that those that share nodes with the second come first, and
+/// the second half's so that those that share nodes with the first come last: a thread at work on
+/// each half hardly ever waits for the other. Begin and end of the groups away from the seam.
+std::pair<std::size_t, std::size_t> put_seam_apart(
+    const std::vector<std::vector<std::int32_t>>& nodes_of_group, std::size_t n_nodes,
+    std::size_t middle, std::vector<std::int32_t>& order) {
+    std::vector<char> in_first(n_nodes, 0), in_second(n_nodes, 0);
+    for (std::size_t g = 0; g < nodes_of_group.size(); ++g)
+        for (std::int32_t n : nodes_of_group[g]) (g < middle ? in_first : in_second)[n] = 1;
+    const auto at_seam = [&](std::int32_t g) {
+        return std::any_of(nodes_of_group[g].begin(), nodes_of_group[g].end(),
+                           [&](std::int32_t n) { return in_first[n] && in_second[n]; });
+    };
+    const auto begin = order.begin(), second = begin + std::ptrdiff_t(middle);
+    const auto first_away = std::stable_partition(begin, second, at_seam);
+    const auto last_away = std::stable_partition(second, order.end(), std::not_fn(at_seam));
+    return {std::size_t(first_away - begin), std::size_t(last_away - begin)};
+}
 
 }  // namespace
 
@@ -36,7 +63,7 @@ Batches<n_corners>::Batches(const Mesh& mesh, const std::vector<Part>& parts,
                           elements.begin() + std::ptrdiff_t(std::min(e + elements_per_chunk,
                                                                      elements.size()))}});
     }
-    put_in_order(mesh, groups, large ? window : groups.size());
+    put_in_order(mesh, groups, large ? window : one_window);
     for (const Group& group : groups) add_chunk(mesh, group);
     slot_of_.assign(mesh.n_elements(), -1);
     for (std::size_t b = 0; b < batch_.size(); ++b)
@@ -58,15 +85,29 @@ void Batches<n_corners>::put_in_order(const Mesh& mesh, std::vector<Group>& grou
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
         nodes_of_group.push_back(std::move(nodes));
     }
-    const Coloring coloring = color_by_nodes(nodes_of_group, mesh.x.size(), chunks_per_window);
+    const bool halves = chunks_per_window != one_window;
+    const std::size_t middle = halves ? groups.size() / 2 : groups.size();
+    std::vector<std::int32_t> order(groups.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::pair<std::size_t, std::size_t> away{0, groups.size()};
+    if (halves) away = put_seam_apart(nodes_of_group, mesh.x.size(), middle, order);
     std::vector<Group> sorted;
     std::vector<std::vector<std::int32_t>> nodes_of_sorted;
-    for (std::int32_t g : coloring.order) {
-        sorted.push_back(std::move(groups[g]));
-        nodes_of_sorted.push_back(std::move(nodes_of_group[g]));
-    }
+    const auto add_colored = [&](std::size_t first, std::size_t last) {
+        std::vector<std::vector<std::int32_t>> nodes;
+        for (std::size_t i = first; i < last; ++i) nodes.push_back(nodes_of_group[order[i]]);
+        for (std::int32_t i : color_by_nodes(nodes, mesh.x.size(), chunks_per_window).order) {
+            const std::int32_t g = order[first + std::size_t(i)];
+            sorted.push_back(std::move(groups[g]));
+            nodes_of_sorted.push_back(std::move(nodes_of_group[g]));
+        }
+    };
+    add_colored(0, away.first);
+    add_colored(away.first, middle);
+    add_colored(middle, away.second);
+    add_colored(away.second, order.size());
     groups = std::move(sorted);
-    queue_ = ChunkQueue(nodes_of_sorted, mesh.x.size());
+    queue_ = ChunkQueue(nodes_of_sorted, mesh.x.size(), middle);
 }
 
 template <int n_corners>

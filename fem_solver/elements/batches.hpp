@@ -2,9 +2,9 @@
 // Elements in batches of eight, one element per vector lane, each batch within one part.
 //
 // Batches form chunks of neighboring elements; chunks that share a node have different colors. A
-// step walks them color by color, in large meshes one window of chunks after the other, and threads
-// share them out of a queue (chunk_queue.hpp): forces on a node are always added in the same order,
-// so results have the same bits for any number of threads.
+// step walks them color by color, in large meshes one window of chunks after the other in each half
+// of the mesh, and threads share them out of a queue (chunk_queue.hpp): forces on a node are always
+// added in the same order, so results have the same bits for any number of threads.
 
 #include <algorithm>
 #include <cstdint>

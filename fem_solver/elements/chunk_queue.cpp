@@ -1,5 +1,7 @@
 #include "fem_solver/elements/chunk_queue.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -7,8 +9,8 @@
 namespace undertow::fem {
 
 ChunkQueue::ChunkQueue(const std::vector<std::vector<std::int32_t>>& nodes_of_group,
-                       std::size_t n_nodes)
-    : begin_{0}, done_(nodes_of_group.size(), 0) {
+                       std::size_t n_nodes, std::size_t middle)
+    : begin_{0}, done_(nodes_of_group.size(), 0), middle_(std::int32_t(middle)) {
     std::vector<std::vector<std::int32_t>> groups_at(n_nodes);
     std::vector<std::int32_t> own;
     for (std::size_t g = 0; g < nodes_of_group.size(); ++g) {
@@ -33,12 +35,20 @@ void ChunkQueue::run(int threads, const std::function<void(std::int32_t)>& work)
         return;
     }
     ++sweep_;
-    std::atomic<std::int32_t> next{0};
+    std::atomic<std::int32_t> next[2] = {0, middle_};
+    const std::int32_t end[2] = {middle_, n};
 #pragma omp parallel num_threads(threads)
-    for (std::int32_t g; (g = next.fetch_add(1, std::memory_order_relaxed)) < n;) {
-        for (std::int32_t i = begin_[g]; i < begin_[g + 1]; ++i) wait_for(before_[i]);
-        work(g);
-        std::atomic_ref(done_[g]).store(sweep_, std::memory_order_release);
+    {
+        // The first half never waits for the second, so that somebody is always at work, even where
+        // fewer threads come than were asked for.
+        const int own = 2 * omp_get_thread_num() / omp_get_num_threads();
+        for (int half : {own, 1 - own})
+            for (std::int32_t g;
+                 (g = next[half].fetch_add(1, std::memory_order_relaxed)) < end[half];) {
+                for (std::int32_t i = begin_[g]; i < begin_[g + 1]; ++i) wait_for(before_[i]);
+                work(g);
+                std::atomic_ref(done_[g]).store(sweep_, std::memory_order_release);
+            }
     }
 }
 

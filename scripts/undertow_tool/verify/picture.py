@@ -58,6 +58,10 @@ def draw_ladder(title, settings, folder, rungs, outs, path):
                                       textcoords="offset points")
     for panel, label in ((against_dx, "spacing [m]"), (against_cost, "CPU time [s]")):
         panel.set(xscale="log", yscale="log", xlabel=label)
+    # the spacings of the levels: on an axis of less than a decade the usual marks run into each other
+    levels = sorted({float(dx) for line in against_dx.lines for dx in line.get_xdata()})
+    against_dx.set_xticks(levels, [f"{dx:.3g}" for dx in levels], fontsize=7)
+    against_dx.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
     against_dx.set(ylabel="error", title=title if not draw else "")
     against_dx.legend(fontsize=6.5, loc="best")
     if draw:

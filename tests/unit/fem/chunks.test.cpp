@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "fem_solver/elements/batches.hpp"
 #include "fem_solver/elements/chunk_queue.hpp"
 #include "fem_solver/elements/coloring.hpp"
 #include "fem_solver/elements/corners.hpp"
@@ -86,12 +87,15 @@ TEST_CASE("colors follow each other within windows, and a window of all groups i
 TEST_CASE("groups that share a node run one after the other, in the order of the queue") {
     const int n_nodes = GENERATE(40, 4000);  // nearly all share a node; few do
     const Groups groups = random_groups(400, n_nodes, 5);
-    ChunkQueue queue(groups, std::size_t(n_nodes));
+    const std::size_t middle = GENERATE(400u, 200u, 3u);  // no halves; halves; very unequal ones
+    const int threads = GENERATE(2, 3, 4);
+    ChunkQueue queue(groups, std::size_t(n_nodes), middle);
+    CHECK(queue.middle() == middle);
     std::vector<std::vector<std::int32_t>> seen(n_nodes);
     std::atomic<int> running{0}, most{0};
     for (int sweep = 0; sweep < 3; ++sweep) {
         for (auto& order : seen) order.clear();
-        queue.run(4, [&](std::int32_t g) {
+        queue.run(threads, [&](std::int32_t g) {
             most = std::max(int(most), ++running);
             // no lock: the queue keeps others off these nodes, or bits and sizes come out wrong
             for (std::int32_t n : groups[g]) seen[n].push_back(g);
@@ -106,9 +110,36 @@ TEST_CASE("groups that share a node run one after the other, in the order of the
         CHECK(count == 400u * 5);
     }
     CHECK(most >= 1);
-    CHECK(most <= 4);
+    CHECK(most <= threads);
     CHECK(queue.before(0).empty());
     if (n_nodes == 40) CHECK(queue.before(399).size() > 100);
+}
+
+TEST_CASE("halves of a large mesh meet at the first half's beginning and at the second's end") {
+    const Mesh mesh = make_block(FemBlock{{{0, 0, 0}, {40, 32, 32}}, {40, 32, 32}, {}});
+    Part part;
+    for (std::size_t e = 0; e < mesh.n_elements(); ++e) part.elements.push_back(std::int32_t(e));
+    const Batches<8> batches(mesh, {part}, ElementOrder::lumps);
+    const ChunkQueue& queue = batches.queue();
+    const std::size_t chunks = batches.chunks(), middle = queue.middle();
+    REQUIRE(chunks == 80);
+    REQUIRE(middle == 40);
+    // halves of 20 x 32 x 32 share a face: lumps of 10 x 8 x 6 or 7 leave at most 20 at it
+    std::set<std::size_t> of_first, of_second;
+    for (std::size_t g = middle; g < chunks; ++g)
+        for (std::int32_t before : queue.before(g))
+            if (std::size_t(before) < middle) {
+                of_first.insert(std::size_t(before));
+                of_second.insert(g);
+            }
+    REQUIRE(!of_first.empty());
+    CHECK(of_first.size() <= 20);
+    CHECK(of_second.size() <= 20);
+    CHECK(*of_first.rbegin() + 1 == of_first.size());
+    CHECK(*of_second.begin() + of_second.size() == chunks);
+
+    part.elements.resize(16383);  // below 16,384 elements one thread does it
+    CHECK(Batches<8>(mesh, {part}, ElementOrder::lumps).queue().middle() == 32);
 }
 
 TEST_CASE("the corner that has folded most is found wherever it is, by one thread and by two") {
