@@ -199,7 +199,7 @@ class WrongMessages(Case):
                 surface = Surface(scene.endpoint)
             finally:
                 protocol.VERSION[1] = newer
-            self.assertEqual(surface.link.welcome["v"], [1, 0])
+            self.assertEqual(surface.link.welcome["v"], protocol.VERSION)
             surface.step(10)
             surface.send(self.header(surface, hue="blue", tint=[1, 2]))
             self.assertTrue(surface.link.wait_reply().force)
