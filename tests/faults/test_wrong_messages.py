@@ -149,7 +149,7 @@ class WrongMessages(Case):
         with self.subTest(says=says), Scene("dummies") as scene:
             scene.start_coupler()
             scene.start_dummy("particles", "--height", "1")
-            scene.wait_for_connection()
+            scene.wait_for_join("sph")
             scene.now()
             with self.assertRaises(protocol.PeerError) as told:
                 Surface(scene.endpoint, **mesh).close()
