@@ -73,10 +73,10 @@ class LostPeers(Case):
     # ------------------------------------------------------------ pauses and clocks
 
     def run_to_the_end(self, disturb=None, **how):
-        """The bytes of the fields and of the forces of a run of 1.5 s, 2750 steps."""
+        """The bytes of the fields and of the forces of a run of 3 s, 5500 steps."""
         import h5py
         with Scene() as scene:
-            scene.start_trio("--set", "time.end=1.5", **how)
+            scene.start_trio("--set", "time.end=3", "--set", "output.fields_every=0.03", **how)
             if disturb:
                 scene.wait_for_outputs(1)
                 disturb(scene)
