@@ -72,7 +72,7 @@ class Program:
         """The error as the user reads it: the line that holds `part`, without time and program."""
         lines = [line for line in self.said().splitlines() if part in line]
         text = next((line for line in lines if "error" in line), lines[0] if lines else "")
-        return re.sub(r"^.*?error\S*: ", "", text)
+        return re.sub(r"^.*?(error\S*: | ERROR )", "", text)     # ours, or a Python backend's
 
     def memory(self, key="VmRSS", pid=None):
         """[kB] of /proc/PID/status; VmHWM is the peak. None of a process that has ended."""
