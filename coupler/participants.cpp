@@ -3,13 +3,37 @@
 #include <chrono>
 #include <utility>
 
+#include "case/binding_keys.hpp"
 #include "checkpoint/archive.hpp"
 #include "coupler/wall_clock.hpp"
+#include "results/log.hpp"
 #include "results/stop_signal.hpp"
 
 namespace undertow::coupler {
 
 namespace {
+
+/// Why a program that was started with this case must not join; empty: it may.
+std::string objection_to(const wire::Hello& hello, const std::vector<std::string>& ours) {
+    const auto difference = first_difference(ours, hello.case_keys);
+    if (!difference) return {};
+    const auto& [key, ours_is, theirs_is, count] = *difference;
+    const bool told =
+        !(ours_is && ours_is->starts_with('#')) && !(theirs_is && theirs_is->starts_with('#'));
+    std::string sentence = hello.name + " was started with another case than the coupler: ";
+    if (key.find('.') == std::string::npos)
+        sentence += "table [" + key + "] differs";
+    else if (!told)
+        sentence += key + " differs";
+    else
+        sentence += key + " is " + theirs_is.value_or("not there") + ", in the coupler's case " +
+                    ours_is.value_or("not there");
+    const std::size_t more = count - 1;
+    if (more > 0) sentence += " (and " + std::to_string(more) + " more)";
+    sentence += "; start all programs with the same file, --level, --with and --set";
+    log_warning("refused: " + sentence);
+    return sentence;
+}
 
 wire::HostOptions options_for(const MeetingPlace& place, const Case& input,
                               std::int64_t first_step, double t0) {
@@ -20,6 +44,9 @@ wire::HostOptions options_for(const MeetingPlace& place, const Case& input,
     options.shared_memory = input.coupling.transport == "shm";
     options.stop = stop_requested;
     options.loss = loss_announced;
+    options.objection = [ours = binding_keys(input)](const wire::Hello& hello) {
+        return objection_to(hello, ours);
+    };
     options.curve = place.keys;
     options.record_in = place.record_in;
     options.welcome.first_step = first_step;

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "case/binding_keys.hpp"
 #include "case/time_step.hpp"
 #include "checkpoint/own_checkpoints.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
@@ -88,6 +89,7 @@ class Coupled final : public Link {
                         .capabilities = {"checkpoint"},
                         .software = "undertow fem_solver " UNDERTOW_VERSION,
                         .join_timeout = c.coupling.join_timeout,
+                        .case_keys = binding_keys(c),
                         .curve = keys,
                         .stop = stop_requested}) {
         if (c.fem.surface.empty())

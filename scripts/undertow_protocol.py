@@ -27,7 +27,7 @@ import numpy as np
 import zmq
 from zmq.utils.monitor import recv_monitor_message
 
-VERSION = [1, 0]
+VERSION = [1, 1]
 PROTOCOL = "undertow"
 MAX_HEADER = 64 * 1024      # [byte]
 MAX_DEPTH = 4
@@ -47,10 +47,10 @@ FORCE_OUTPUT = 2    # FORCE: t1 is a common output time
 
 # Keys in their order on the wire with the kind of their values; arrays as name, dtype, columns
 # (1: shape (N), otherwise (N, columns)). i: integer, f: number, t: text, T: list of texts,
-# V: [major, minor].
+# V: [major, minor]; T?: T, left out while it is empty or not given.
 _STEP = "s:i n:i "
 LAYOUT = {
-    HELLO: ("HELLO", "p:t v:V name:t role:t caps:T sw:t units:t", ""),
+    HELLO: ("HELLO", "p:t v:V name:t role:t caps:T sw:t units:t case:T?", ""),
     WELCOME: ("WELCOME", "s:i v:V caps:T n0:i t0:f te:f deadline:f share:f max:i", ""),
     MESH: ("MESH", "s:i mesh:t rev:i kind:t groups:T r:f h:f",
            "x:f8:3 mass:f8:1 quad:i4:4 group:i4:1"),
@@ -90,6 +90,8 @@ def encode(message):
     name, keys, arrays = LAYOUT[message["m"]]
     header, entries, frames = {"m": message["m"]}, [], []
     for key, kind in keys:
+        if kind == "T?" and not message.get(key):
+            continue
         header[key] = float(message[key]) if kind == "f" else message[key]
     for array, dtype, columns in arrays:
         shape = (-1,) if columns == 1 else (-1, columns)
@@ -140,6 +142,7 @@ _KINDS = {
     "f": lambda value: _is_integer(value) or isinstance(value, float),
     "t": lambda value: isinstance(value, str),
     "T": lambda value: isinstance(value, list) and all(isinstance(t, str) for t in value),
+    "T?": lambda value: _KINDS["T"](value),
     "V": lambda value: (isinstance(value, list) and len(value) == 2
                         and all(_is_integer(number) and number >= 0 for number in value)),
 }
@@ -169,6 +172,8 @@ def decode(frames):
     if _is_integer(header.get("n")):
         label = f"{label}({header['n']})"
     for key, kind in keys:
+        if kind == "T?" and key not in header:
+            continue
         if key not in header:
             raise PeerError("E_MALFORMED", f"{label}: key {key} is missing")
         value = header[key]
@@ -232,8 +237,10 @@ class Participant:
     """HELLO on construction; then announce(), the steps, say_goodbye(). Every wait has an end."""
 
     def __init__(self, endpoint, name, role, software="", capabilities=(), join_timeout=60,
-                 stop=lambda: False, keys=None):
-        """keys: folder made by `undertow keys`, for a coupler on another host.
+                 stop=lambda: False, keys=None, case_keys=()):
+        """case_keys: lines of `undertow_case CASE --binding`, which the coupler compares with those of its
+        own case; who has another one is refused (E_INPUT). None: nothing is compared.
+        keys: folder made by `undertow keys`, for a coupler on another host.
         stop: asked until the first step; true ends the run with E_STOP (the user's Ctrl-C)."""
         self.endpoint, self.name, self.role = endpoint, name, role
         self.session, self.n, self.t = 0, 0, None
@@ -263,7 +270,7 @@ class Participant:
         self._patience = join_timeout
         try:
             self._send({"m": HELLO, "p": PROTOCOL, "v": VERSION, "name": name, "role": role,
-                        "caps": list(capabilities), "sw": software, "units": "SI"})
+                        "caps": list(capabilities), "sw": software, "units": "SI", "case": list(case_keys)})
             self.welcome = self._take(WELCOME)
             self.session, self.n = self.welcome["s"], self.welcome["n0"]
             self.t = self.welcome["t0"]

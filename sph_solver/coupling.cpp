@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "case/binding_keys.hpp"
 #include "case/time_step.hpp"
 #include "checkpoint/own_checkpoints.hpp"
 #include "results/log.hpp"
@@ -78,6 +79,7 @@ class CoupledLink : public Link {
                         .capabilities = {"checkpoint"},
                         .software = "undertow sph_solver " UNDERTOW_VERSION,
                         .join_timeout = input.coupling.join_timeout,
+                        .case_keys = binding_keys(input),
                         .curve = keys,
                         .stop = stop_requested}),
           flat_(input.info.dimension == 2),

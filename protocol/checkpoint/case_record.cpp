@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "case/binding_keys.hpp"
 #include "checkpoint/archive.hpp"
 #include "checkpoint/sha256.hpp"
 #include "wire/errors.hpp"
@@ -13,21 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool may_change(const std::string& line) {
-    static const char* const free_keys[] = {
-        "time.end = ",   "output.",           "checkpoint.",           "report.",
-        "case.title = ", "coupling.deadline", "coupling.join_timeout", "coupling.transport"};
-    return std::any_of(std::begin(free_keys), std::end(free_keys),
-                       [&](const char* key) { return line.starts_with(key); });
-}
-
-std::string key_of(const std::string& line) {
-    return line.substr(0, line.find(" = "));
-}
-
 /// The lines that must agree.
 std::vector<std::string> binding(std::vector<std::string> lines) {
-    std::erase_if(lines, may_change);
+    std::erase_if(lines, [](const std::string& line) { return !is_binding(line); });
     return lines;
 }
 
@@ -53,24 +42,14 @@ void archive_case(Archive& a, const Case& input, const std::string& where) {
     std::vector<std::string> then = now;
     a("case", then);
     if (!a.reading()) return;
-    const std::vector<std::string> old = binding(then), mine = binding(now);
-    const auto value_in = [](const std::vector<std::string>& lines, const std::string& key,
-                             const char* with, const std::string& without) {
-        const auto line = std::find_if(lines.begin(), lines.end(),
-                                       [&](const std::string& l) { return key_of(l) == key; });
-        return line == lines.end() ? without : with + line->substr(key.size() + 3);
-    };
-    const auto refuse = [&](const std::string& key) {
-        throw InputError(input.file + ": " + key + value_in(mine, key, " is ", " is not there") +
-                         ", but the checkpoint " + where + " was written " +
-                         value_in(old, key, "with ", "without it") +
-                         "; put it back, or start anew (time.end, [output] and [checkpoint] may "
-                         "change).");
-    };
-    for (const std::string& line : mine)
-        if (std::find(old.begin(), old.end(), line) == old.end()) refuse(key_of(line));
-    for (const std::string& line : old)
-        if (std::find(mine.begin(), mine.end(), line) == mine.end()) refuse(key_of(line));
+    const auto difference = first_difference(binding(now), binding(then));
+    if (!difference) return;
+    throw InputError(input.file + ": " + difference->key +
+                     (difference->ours ? " is " + *difference->ours : " is not there") +
+                     ", but the checkpoint " + where + " was written " +
+                     (difference->theirs ? "with " + *difference->theirs : "without it") +
+                     "; put it back, or start anew (time.end, [output] and [checkpoint] may "
+                     "change).");
 }
 
 }  // namespace undertow

@@ -103,10 +103,12 @@ struct KeyReader {
             throw PeerError(error.code, std::string("key ") + name + ": " + error.what());
         }
     }
+    void optional(const char* name, auto& member) { key(name, member); }
     void array(const char*, const auto&, std::size_t) {}
 };
 
-/// Visitor of describe(): every key must have come, every number must be finite.
+/// Visitor of describe(): every key must have come, every number must be finite. What is optional
+/// and has not come is emptied: the message may have been used before.
 struct KeyCheck {
     std::uint32_t seen;
     unsigned index = 0;
@@ -121,6 +123,9 @@ struct KeyCheck {
                                 std::string("key ") + name + " is " + std::to_string(member));
             }
         }
+    }
+    void optional(const char*, auto& member) {
+        if (!(seen & 1u << index++)) member.clear();
     }
     void array(const char*, const auto&, std::size_t) {}
 };
@@ -144,6 +149,7 @@ struct ArrayReader {
     const ArrayList& list;
 
     void key(const char*, const auto&) {}
+    void optional(const char*, const auto&) {}
 
     template <class T>
     void array(const char* name, std::vector<T>& data, std::size_t columns) {
@@ -249,7 +255,7 @@ void decode_struct(HeaderReader reader, std::span<const Bytes> frames, Message& 
         }
         if (!list.present) throw PeerError("E_MALFORMED", "key a (the list of arrays) is missing");
         KeyCheck keys{seen};
-        describe(keys, std::as_const(m));
+        describe(keys, m);
         bind_frames(list, frames);
         ArrayReader arrays{list};
         describe(arrays, m);

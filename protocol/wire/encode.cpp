@@ -58,6 +58,7 @@ class HeaderWriter {
 struct KeyCount {
     std::size_t n_keys = 0;
     void key(const char*, const auto&) { ++n_keys; }
+    void optional(const char*, const auto& value) { n_keys += !value.empty(); }
     void array(const char*, const auto&, std::size_t) {}
 };
 
@@ -75,6 +76,10 @@ class Encoder {
     void key(const char* name, const auto& value) {
         writer_.value(std::string_view(name));
         writer_.value(value);
+    }
+
+    void optional(const char* name, const auto& value) {
+        if (!value.empty()) key(name, value);
     }
 
     template <class T>

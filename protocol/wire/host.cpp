@@ -63,6 +63,7 @@ struct Host::Impl {
     Packet packet;
     Message stray;  // of someone who is not part of the run
     std::size_t n_seated = 0;
+    std::string refused_for_case;  // who came last with another case
     bool failed = false;
     bool preparing = true;       // no step yet: a wish to stop ends the run at once
     bool shared_memory = false;  // the data plane is in use
@@ -320,6 +321,13 @@ struct Host::Impl {
             seat = nullptr;
             why = {"E_KEY", "'" + hello->name + "' came with the key of '" + holder + "'"};
         }
+        if (seat && options.objection && !hello->case_keys.empty()) {
+            if (std::string text = options.objection(*hello); !text.empty()) {
+                seat = nullptr;
+                why = {"E_INPUT", std::move(text)};
+                refused_for_case = hello->name;
+            }
+        }
         if (!seat)
             refuse(why.code, why.text);
         else if (channel.is_open(packet.connection))
@@ -362,9 +370,12 @@ struct Host::Impl {
         }
         const int refused = channel.handshakes_failed();
         return "nobody joined as " + text + (joined.empty() ? "" : " (joined: " + joined + ")") +
-               (refused == 0 ? ""
-                             : ", " + std::to_string(refused) +
-                                   " connections were refused for their keys,");
+               (refused_for_case.empty()
+                    ? ""
+                    : ", " + refused_for_case + " was refused for another case,") +
+               (refused == 0
+                    ? ""
+                    : ", " + std::to_string(refused) + " connections were refused for their keys,");
     }
 
     // ---------------------------------------------------------------- meshes

@@ -14,6 +14,7 @@
 //     host.finish(n, "done");                                   FINISH, BYE
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,6 +30,9 @@ struct HostOptions {
     double deadline = 60;  // [s] longest silence of a participant
     Welcome welcome;       // session 0 = draw one; versions filled in; the capabilities are ours
     bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
+    /// Asked of a HELLO that names keys of its case and would get a place: why it must not, in one
+    /// sentence; empty: it may. Who is refused reads the sentence, and the coupler waits on.
+    std::function<std::string(const Hello&)> objection{};
     std::string curve{};        // folder of keys for tcp, see wire/curve_keys.hpp; empty = none
     std::string record_in{};    // folder for a recording of each session; empty = none
     bool (*stop)() = nullptr;   // true once the user wants to end; asked while the run is prepared

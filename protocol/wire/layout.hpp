@@ -6,8 +6,9 @@
 //
 // `describe(io, message)` visits them: io.key(name, member) for what stands in the header,
 // io.array(name, member, columns) for what travels as a raw frame; columns = 1 means shape (N),
-// otherwise (N, columns). Key "m" (the type) comes first and "a" (the list of arrays) last; both
-// are the codec's. At most 32 keys: the decoder keeps a bit for each.
+// otherwise (N, columns); io.optional(name, member) for a key that a later minor version added,
+// which is left out while the member is empty. Key "m" (the type) comes first and "a" (the list of
+// arrays) last; both are the codec's. At most 32 keys: the decoder keeps a bit for each.
 
 #include <concepts>
 #include <type_traits>
@@ -27,6 +28,7 @@ void describe(auto& io, Is<Hello> auto& m) {
     io.key("caps", m.capabilities);
     io.key("sw", m.software);
     io.key("units", m.units);
+    io.optional("case", m.case_keys);
 }
 
 void describe(auto& io, Is<Welcome> auto& m) {

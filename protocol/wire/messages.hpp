@@ -14,7 +14,7 @@
 namespace undertow::wire {
 
 inline constexpr int version_major = 1;
-inline constexpr int version_minor = 0;
+inline constexpr int version_minor = 1;
 inline constexpr const char* protocol_name = "undertow";
 
 enum class MessageType : std::uint8_t {
@@ -32,6 +32,9 @@ struct Hello {
     std::vector<std::string> capabilities;  // key caps
     std::string software;      // key sw, for logs
     std::string units = "SI";
+    std::vector<std::string> case_keys{};  // key case, since 1.1, optional: "sph.spacing = 0.01",
+                                           // what the participant's case must have in common with
+                                           // the coupler's; empty: not told
 };
 
 /// Coupler -> solver: the session is open.

@@ -255,6 +255,7 @@ struct Participant::Impl {
         if (options.shared_memory && options.endpoint.starts_with("ipc://"))
             hello.capabilities.push_back(shared_memory_capability);
         hello.software = options.software;
+        hello.case_keys = options.case_keys;
         session.follow(Side::solver, hello);
         if (replay)
             compare(hello);

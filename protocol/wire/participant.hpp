@@ -31,6 +31,8 @@ struct ParticipantOptions {
     std::string software;
     double join_timeout = 60;  // [s] how long the coupler may take to appear and answer
     bool shared_memory = true;  // offer the data plane "shm1" where the endpoint is ipc
+    std::vector<std::string> case_keys{};  // what this program's case must have in common with the
+                                           // coupler's, see case/binding_keys.hpp; empty = not told
     std::string curve{};        // folder of keys for tcp, see wire/curve_keys.hpp; empty = none
     bool (*stop)() = nullptr;   // true once the user wants to end; asked until the first step
 };

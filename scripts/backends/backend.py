@@ -18,6 +18,7 @@ import logging
 import os
 import pathlib
 import signal
+import subprocess
 import sys
 import time
 import tomllib
@@ -25,7 +26,8 @@ import tomllib
 import checkpoints
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
 from undertow_protocol import STATE_STOP, Participant, PeerError  # noqa: E402
 
 DONE, INPUT, PEER, PHYSICS, INTERRUPTED = 0, 2, 3, 4, 130      # exit codes
@@ -68,6 +70,20 @@ def read_case(path, name, level, variants, overrides):
     if name not in tables["backend"]:
         raise InputError(f"{path}: the table [backend.{name}] is missing")
     return tables["backend"][name], float(tables["output"].get("history_every", 0))
+
+
+def binding_keys(options):
+    """What the case must have in common with the coupler's, as undertow_case tells it. () where that program
+    is not built, or the case is none for a coupler of ours: then nothing is compared."""
+    build = pathlib.Path(os.environ.get("UNDERTOW_BUILD", HERE.parents[1] / "build"))
+    tool = pathlib.Path(os.environ.get("UNDERTOW_CASE_TOOL", build / "bin" / "undertow_case"))
+    layers = ["--level", options.level] if options.level else []
+    layers += [word for variant in options.variants for word in ("--with", variant)]
+    layers += [word for assignment in options.overrides for word in ("--set", assignment)]
+    if not tool.exists():
+        return ()
+    done = subprocess.run([tool, options.case, "--binding", *layers], capture_output=True, text=True, check=False)
+    return done.stdout.splitlines() if done.returncode == 0 else ()
 
 
 class Table:
@@ -347,7 +363,7 @@ def main(name, software, description, make):
         structure = build(make, Table(name, keys), options.case)
         log.info("%s: %d facets, %s", software, len(structure.quad), structure.description)
         link = Participant(options.coupler, "fem", "surface", software, stop=lambda: bool(stop),
-                           capabilities=["checkpoint"], keys=options.keys)
+                           capabilities=["checkpoint"], keys=options.keys, case_keys=binding_keys(options))
         summary = take_steps(structure, link, out, history_every, stop, software, keys, options.resume)
         aside = out / "summary.fem.json.part"
         aside.write_text(json.dumps(summary, indent=2) + "\n", encoding="ascii")

@@ -16,7 +16,7 @@ class Surface:
     """A plate at rest that keeps to the protocol until it is told to send something else."""
 
     def __init__(self, endpoint, **mesh):
-        self.link = protocol.Participant(endpoint, "fem", "surface", "by hand", join_timeout=10)
+        self.link = protocol.Participant(endpoint, "fem", "surface", "by hand", join_timeout=60)
         self.link.announce(**{**SQUARE, **mesh})
         self.x = np.array(SQUARE["x"], float)
         self.n, self.t = self.link.welcome["n0"], self.link.welcome["t0"]
@@ -58,7 +58,7 @@ class Coupler:
         self.context = zmq.Context()
         self.socket = self.context.socket(zmq.ROUTER)
         self.socket.setsockopt(zmq.LINGER, 500)
-        self.socket.setsockopt(zmq.RCVTIMEO, 15000)
+        self.socket.setsockopt(zmq.RCVTIMEO, 60000)
         self.socket.bind(endpoint)
         self.session = 77
 
@@ -76,7 +76,7 @@ class Coupler:
         """HELLO to the first STATE; returns the mesh."""
         self.receive(protocol.HELLO)
         self.send(protocol.WELCOME, **{"v": [1, 0], "caps": [], "n0": 0, "t0": 0.0, "te": 1.0,
-                                       "deadline": 5.0, "share": 0.45, "max": 1 << 29, **keys})
+                                       "deadline": 30.0, "share": 0.45, "max": 1 << 29, **keys})
         mesh = self.receive(protocol.MESH)
         self.send(protocol.MESH_ACK, mesh=mesh["mesh"], rev=0, sum=protocol.checksum(mesh))
         self.receive(protocol.STATE)

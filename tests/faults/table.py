@@ -15,6 +15,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 PAGE = HERE.parents[1] / "docs" / "fault_matrix.md"
 MARK = "<!-- measured: tests/faults/table.py writes from here on -->"
 
+SILENT = {0: "(the run goes on to its end)", 130: "(ended by its user)"}
+
 
 def measure():
     with tempfile.NamedTemporaryFile("r", suffix=".jsonl") as record:
@@ -44,7 +46,7 @@ def main():
             if entry["text"]:
                 lines.append(f"| {row} | {place} | all | | | {entry['text']} |")
                 continue
-            sentence = entry["sentence"].replace("|", "\\|") or ("(the run goes on to its end)" if entry["code"] == 0 else "")
+            sentence = entry["sentence"].replace("|", "\\|") or SILENT.get(entry["code"], "")
             lines.append(f"| {row} | {place} | {entry['who']} | {entry['code']} | "
                          f"{entry['seconds']:.2f} s | {sentence} |")
     page = PAGE.read_text(encoding="ascii").split(MARK)[0]

@@ -23,7 +23,7 @@ class FullDisk(Case):
             scene.start_coupler(*settings, before=limit_files(size) if who == "coupler" else None)
             for name in ("sph", "fem"):
                 scene.start_solver(name, *settings, before=limit_files(size) if who == name else None)
-            scene.wait_until(lambda: scene[who].process.poll() is not None, "the end of the disk", 60)
+            scene.wait_until(lambda: scene[who].process.poll() is not None, "the end of the disk")
             scene.now()
             scene.expect(who, 2, "check that", row=17)
             scene.expect(who, 2, says)
@@ -47,7 +47,7 @@ class FullDisk(Case):
             scene.start_coupler("--set", "output.fields_every=100")
             scene.start_solver("sph", *often)
             scene.start_solver("fem", *often, before=limit_files(600_000))
-            scene.wait_until(lambda: scene["fem"].process.poll() is not None, "the end", 60)
+            scene.wait_until(lambda: scene["fem"].process.poll() is not None, "the end")
             scene.now()
             scene.expect("fem", 2, "fem.history.csv could not be written", row=17)
             for name in ("coupler", "sph"):
@@ -59,13 +59,12 @@ class FullDisk(Case):
         for turn in range(12):
             with self.subTest(turn), Scene() as scene:
                 scene.start_trio("--set", "output.fields_every=5e-4")
-                scene.wait_until(lambda: (scene.out / "sph.xdmf").exists()
-                                 and (scene.out / "fem.xdmf").exists(), "the first fields")
-                time.sleep(0.2 + moment.random())
+                scene.wait_for_outputs(6)       # by then 5 of them are whole
+                time.sleep(moment.random())
                 for name in ("sph", "fem", "coupler"):
                     scene[name].signal(signal.SIGKILL)
                 for name in ("sph", "fem", "coupler"):
-                    scene[name].wait(5)
+                    scene[name].process.wait()
                 scene.expect_output_whole(5)
 
 

@@ -11,11 +11,11 @@ class LostPeers(Case):
     def test_killed_before_hello(self):
         with Scene() as scene:
             scene.now()
-            scene.start_coupler("--set", "coupling.join_timeout=1.5")
+            scene.start_coupler("--set", "coupling.join_timeout=4")
             scene.start_solver("fem")
             sph = scene.start("sph", ["/bin/sleep", "60"])      # a solver that reads its mesh, say
             sph.kill()
-            scene.expect("coupler", 3, "nobody joined as particles (joined: fem)", within=3, row=1)
+            scene.expect("coupler", 3, "nobody joined as particles (joined: fem)", within=5, row=1)
             scene.expect("fem", 3, "nobody joined as particles", row=1)
 
     def kill_in_mid_step(self, who, other):
@@ -48,12 +48,12 @@ class LostPeers(Case):
 
     def test_stopped_past_the_deadline(self):
         with Scene() as scene:
-            scene.start_trio()
+            scene.start_trio("--set", "coupling.deadline=3")
             scene.wait_for_step(100)
             scene["sph"].signal(signal.SIGSTOP)
             scene.now()
-            scene.expect("coupler", 3, "sph has been silent for 2 s in step", within=3, row=3)
-            scene.expect("fem", 3, "sph has been silent for 2 s in step", within=3, row=3)
+            scene.expect("coupler", 3, "sph has been silent for 3 s in step", within=4, row=3)
+            scene.expect("fem", 3, "sph has been silent for 3 s in step", within=4, row=3)
             scene["sph"].signal(signal.SIGCONT)
             scene.now()
             scene.expect("sph", 3, "E_", row=3)
@@ -62,27 +62,27 @@ class LostPeers(Case):
     def test_a_hang_in_the_programs_own_code(self):
         """The connection lives, its thread answers: only the deadline finds it."""
         with Scene("dummies") as scene:
-            scene.start_coupler()
+            scene.start_coupler("--set", "coupling.deadline=3")
             scene.start_dummy("particles", "--height", "1", "--hang-at-step", "500")
             scene.start_dummy("surface")
-            scene.wait_until(lambda: scene["sph"].said(), "the hang")
+            scene.wait_until(lambda: "hangs" in scene["sph"].said(), "the hang")
             scene.now()
-            scene.expect("coupler", 3, "sph has been silent for 2 s in step 500", within=3, row=4)
-            scene.expect("fem", 3, "sph has been silent for 2 s in step 500", within=3, row=4)
+            scene.expect("coupler", 3, "sph has been silent for 3 s in step 500", within=4, row=4)
+            scene.expect("fem", 3, "sph has been silent for 3 s in step 500", within=4, row=4)
 
     # ------------------------------------------------------------ pauses and clocks
 
     def run_to_the_end(self, disturb=None, **how):
-        """The bytes of the fields and of the forces of a run of 0.5 s."""
+        """The bytes of the fields and of the forces of a run of 3 s, 5500 steps."""
         import h5py
         with Scene() as scene:
-            scene.start_trio("--set", "time.end=0.5", **how)
+            scene.start_trio("--set", "time.end=3", "--set", "output.fields_every=0.03", **how)
             if disturb:
-                scene.wait_until(lambda: (scene.out / "sph.xdmf").exists(), "the first fields")
+                scene.wait_for_outputs(1)
                 disturb(scene)
             scene.now()
             for name in ("coupler", "sph", "fem"):
-                scene.expect(name, 0, within=20)
+                scene.expect(name, 0, within=60)
             result = {path.name: path.read_bytes() for path in scene.out.glob("*.csv")}
             for name in ("sph", "fem"):
                 with h5py.File(scene.out / f"{name}.vtkhdf", "r") as file:
@@ -94,9 +94,10 @@ class LostPeers(Case):
             for seconds in (0.1, 0.1, 1.2):     # a busy scheduler, twice; Ctrl-Z
                 for name in ("sph", "coupler", "fem"):
                     scene[name].signal(signal.SIGSTOP)
+                    self.assertIsNone(scene[name].process.poll(), f"{name} had ended before its pause")
                     time.sleep(seconds)
                     scene[name].signal(signal.SIGCONT)
-                    time.sleep(0.02)
+                    time.sleep(0.005)       # some steps between two pauses
         plain, paused = self.run_to_the_end(), self.run_to_the_end(pause)
         for name, content in plain.items():
             self.assertEqual(content, paused[name], f"{name} differs after pauses")
@@ -114,7 +115,7 @@ class LostPeers(Case):
         jumping = self.run_to_the_end(environment={"LD_PRELOAD": str(library)})
         for name, content in plain.items():
             self.assertEqual(content, jumping[name], f"{name} differs when the clock jumps")
-        record(21, "wall clock jumping by an hour twice a second, pauses of 100 ms: exit 0, "
+        record(21, "wall clock jumping by two hours every 5 ms: exit 0, "
                            "every field and history has the same bits")
 
 

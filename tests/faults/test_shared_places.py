@@ -12,7 +12,7 @@ class SharedPlaces(Case):
         with Scene("dummies") as scene:
             coupler = scene.start_coupler()
             scene.start_dummy("particles", "--height", "1")
-            scene.wait_for_connection()
+            scene.wait_for_join("sph")
             scene.now()
             scene.start_dummy("particles", name="again")
             scene.expect("again", 3, "E_NAME_TAKEN", within=3, row=11)
@@ -53,7 +53,7 @@ class SharedPlaces(Case):
 
     def test_the_socket_and_the_lock_of_a_dead_run(self):
         with Scene("dummies") as scene:
-            scene.start_coupler().wait(0.5)
+            scene.start_coupler()
             scene.wait_for_coupler()
             scene["coupler"].kill()
             scene["coupler"].wait(5)

@@ -30,12 +30,12 @@ class SteadyUse(Case):
             scene.start_coupler("--set", "output.history_every=1")
             scene.start_dummy("particles", "--height", "0.05", "--load", "-10")
             scene.start_dummy("surface", "--height", "0", "--spring", "1e4")
-            self.watch(scene, 60, 1024)
+            self.watch(scene, 200, 1024)
 
     def test_the_three_programs(self):
         with Scene() as scene:
             scene.start_trio("--set", "output.fields_every=10", "--set", "output.history_every=0.1")
-            self.watch(scene, 120, 1024)
+            self.watch(scene, 200, 1024)
 
 
 if __name__ == "__main__":

@@ -82,12 +82,12 @@ class ThreeHosts(Case):
     def test_a_wrong_key_is_refused_soon_and_in_words(self):
         with Hosts() as hosts, Scene() as scene:
             keys, others = make_keys(scene.path / "keys"), make_keys(scene.path / "others")
-            self.start(scene, hosts, "coupler", keys, "--set", "coupling.join_timeout=4")
+            self.start(scene, hosts, "coupler", keys, "--set", "coupling.join_timeout=6")
             scene.wait_for_coupler()
             scene.now()
             self.start(scene, hosts, "sph", others)
             scene.expect("sph", 3, "E_KEY", within=3, row=25)
-            scene.expect("coupler", 3, "refused for their keys", within=6, row=25)
+            scene.expect("coupler", 3, "refused for their keys", within=8, row=25)
 
     def test_without_keys_no_address_but_loopback_is_taken(self):
         with Hosts() as hosts, Scene() as scene:

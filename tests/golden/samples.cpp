@@ -59,14 +59,22 @@ std::string bytes(std::initializer_list<unsigned char> list) {
 std::vector<Sample> golden_samples() {
     std::vector<Sample> samples;
 
+    const std::array<int, 2> first_version{1, 0};
     Hello hello;
+    hello.version = first_version;
     hello.name = "fem";
     hello.role = "surface";
     hello.capabilities = {"checkpoint"};
     hello.software = "demo-fem 0.1";
     samples.push_back({"hello", "HELLO of a surface participant", hello});
 
+    hello.version = {1, 1};
+    hello.case_keys = {"case.name = \"dam\"", "time.max_step = 0.0001",
+                       "fem.mesh = #a5b1e6c9f0d24738"};
+    samples.push_back({"hello_case", "HELLO of version 1.1 that names keys of its case", hello});
+
     Welcome welcome;
+    welcome.version = first_version;
     welcome.session = session;
     welcome.t_end = 0.5;
     welcome.contact_share = 0.45;

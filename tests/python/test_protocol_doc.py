@@ -11,7 +11,7 @@ import test_participant
 from test_golden import GOLDEN, ROOT, protocol, read
 
 DOC = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
-KINDS = {"int": "i", "number": "f", "text": "t", "texts": "T", "[int, int]": "V"}
+KINDS = {"int": "i", "number": "f", "text": "t", "texts": "T", "texts, optional": "T?", "[int, int]": "V"}
 
 
 class Tables(unittest.TestCase):

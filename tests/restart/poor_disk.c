@@ -1,5 +1,5 @@
-// Preloaded into a program: a disk that is slow or full for the files of checkpoints whose path
-// holds the text UNDERTOW_POOR_DISK.
+// Preloaded into a program: a disk that is slow or full for the files whose path holds the text
+// UNDERTOW_POOR_DISK.
 //
 //     UNDERTOW_POOR_DISK=step_000000094/sph.h5  UNDERTOW_DISK_FULL=20000   room for so many bytes
 //     UNDERTOW_POOR_DISK=/checkpoints/          UNDERTOW_DISK_SLOW=0.01    each takes 10 ms more

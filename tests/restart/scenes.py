@@ -23,6 +23,19 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "0"
                "PYTHONDONTWRITEBYTECODE": "1", "UNDERTOW_BUILD": str(BUILD)}
 
 
+def poor_disk(which, slow=0, room=None):
+    """Environment in which writes to files whose path holds `which` take `slow` seconds longer, or find
+    `room` bytes for each file."""
+    return {"LD_PRELOAD": str(BUILD / "lib" / "libpoor_disk.so"), "UNDERTOW_POOR_DISK": which,
+            "UNDERTOW_DISK_SLOW": str(slow), **({} if room is None else {"UNDERTOW_DISK_FULL": str(room)})}
+
+
+def slow_fields(program):
+    """Environment in which a run lasts for seconds on any machine, so that something can be done to it: an
+    output is some fifty writes, each 5 ms longer."""
+    return poor_disk(f"/{program}.vtkhdf", slow=0.005)
+
+
 class Restart(unittest.TestCase):
     """Tests of one program (`program`) alone."""
 
@@ -71,8 +84,9 @@ class Run:
         return [str(BUILD / "bin" / self.program), str(self.case), "--alone", "--quiet", "--out",
                 str(self.out), "--threads", str(threads), *self.options, *options]
 
-    def go(self, *options, threads=1, code=0, before=None):
-        done = subprocess.run(self.command(*options, threads=threads), env=ENVIRONMENT, text=True,
+    def go(self, *options, threads=1, code=0, before=None, environment=()):
+        done = subprocess.run(self.command(*options, threads=threads),
+                              env={**ENVIRONMENT, **dict(environment)}, text=True,
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=before)
         self.said = done.stderr
         assert done.returncode == code, f"ended with {done.returncode}, not {code}:\n{done.stderr}"

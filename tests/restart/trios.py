@@ -5,7 +5,7 @@ import pathlib
 import subprocess
 import time
 
-from scenes import BUILD, ENVIRONMENT, TOP, Restart
+from scenes import ENVIRONMENT, TOP, Restart
 
 PROGRAMS = {"sph": "sph_solver", "fem": "fem_solver", "coupler": "coupler"}
 
@@ -60,7 +60,7 @@ class Trios(Restart):
     def signal(self, tool, who, number):
         os.kill(self.process_of(tool, who), number)
 
-    def wait(self, holds, what, seconds=60):
+    def wait(self, holds, what, seconds=120):
         end = time.monotonic() + seconds
         while not holds():
             self.assertLess(time.monotonic(), end, f"{what} did not come within {seconds} s")
@@ -80,10 +80,3 @@ class Trios(Restart):
             return json.loads((run.out / "status.json").read_text())
         except (OSError, ValueError):
             return {}
-
-
-def poor_disk(which, slow=0, room=None):
-    """Environment in which writes to files of checkpoints whose path holds `which` take `slow` seconds
-    longer, or find `room` bytes for each file."""
-    return {"LD_PRELOAD": str(BUILD / "lib" / "libpoor_disk.so"), "UNDERTOW_POOR_DISK": which,
-            "UNDERTOW_DISK_SLOW": str(slow), **({} if room is None else {"UNDERTOW_DISK_FULL": str(room)})}

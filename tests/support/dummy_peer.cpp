@@ -37,7 +37,7 @@ struct Figures {
     double velocity = 0;      // [m/s] along z
     double load = 0;          // [N] along z, on one particle or the whole facet
     double dt = 1e-4;         // [s] offered step
-    double join_timeout = 5;  // [s]
+    double join_timeout = 60;  // [s]
 };
 
 struct Misbehavior {
@@ -213,6 +213,7 @@ int run(const Figures& figures, const Misbehavior& bad) {
     options.software = "dummy";
     options.join_timeout = figures.join_timeout;
     Participant link(options);
+    say("joined");
     Body body = make_body(figures);
     link.announce(mesh_of(figures, body));
     if (figures.role == "particles") link.wait_surface();

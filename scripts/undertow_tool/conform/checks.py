@@ -58,6 +58,7 @@ def greeting(meet):
                 f"the name {name!r} is not 1 to 64 letters, digits, _ - and .")
         require(hello["role"] in ("surface", "particles"), f"the role is {hello['role']!r}")
         require(hello["units"] == "SI", f"units are {hello['units']!r}")
+        require(all(" = " in line for line in hello.get("case", [])), "case is not a list of KEY = VALUE")
         return f"{name}, {hello['role']}, {hello['sw'] or 'no software named'}"
 
 
@@ -353,6 +354,16 @@ def other_version(meet):
         m.greet()
         m.welcome(v=[VERSION[0] + 1, 0])
         expect_refusal(m, ["E_VERSION"])
+
+
+@check("WELCOME of another minor version, older or newer: goes on")
+def other_minor_version(meet):
+    for minor in (0, VERSION[1] + 7):
+        with meet() as m:
+            m.greet()
+            m.welcome(v=[VERSION[0], minor])
+            m.meshes()
+            m.steps(2)
 
 
 @check("MESH_ACK with another checksum: E_MESH")

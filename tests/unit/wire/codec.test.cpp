@@ -102,6 +102,18 @@ TEST_CASE("the headers are what msgpack-c reads and writes") {
     }
 }
 
+TEST_CASE("an optional key that does not come leaves nothing of the message before") {
+    Hello hello;
+    hello.case_keys = {"a = 1", "b = 2"};
+    Message message = decoded(raw_frames(hello));
+    CHECK(std::get<Hello>(message).case_keys == hello.case_keys);
+    hello.case_keys.clear();
+    const RawFrames frames = raw_frames(hello);
+    CHECK(frames[0].find("case") == std::string::npos);
+    decode(std::as_bytes(std::span(frames[0])), {}, message);
+    CHECK(std::get<Hello>(message).case_keys.empty());
+}
+
 TEST_CASE("integers at every width boundary keep their value and their shortest form") {
     for (const std::uint64_t value :
          {0ull, 127ull, 128ull, 255ull, 256ull, 65535ull, 65536ull, 4294967295ull, 4294967296ull,

@@ -116,7 +116,7 @@ TEST_CASE("strangers are refused with the reason and do not disturb the run") {
     old.version = {2, 0};
     const Error version = answer_to(raw_frames(old));
     CHECK(version.code == "E_VERSION");
-    CHECK(version.text.find("1.0") != std::string::npos);
+    CHECK(version.text.find("1.1") != std::string::npos);
     CHECK(version.text.find("2.0") != std::string::npos);
     Hello other = hello_of("gamma", "particles");
     other.protocol = "sfc";
@@ -126,6 +126,56 @@ TEST_CASE("strangers are refused with the reason and do not disturb the run") {
     CHECK(answer_to({""}).code == "E_MALFORMED");
     CHECK(answer_to(RawFrames(40, "x")).code == "E_MALFORMED");
     run.step_zero();
+}
+
+TEST_CASE("who has another case is refused with the reason, and may come again") {
+    TemporaryFolder folder;
+    HostOptions options = host_options(folder.endpoint(), {"surface"});
+    options.objection = [](const Hello& hello) {
+        return hello.case_keys.front() == "sph.spacing = 0.1" ? std::string() : "other spacing";
+    };
+    Host host(options);
+    std::thread waiting([&] { host.wait_join(); });
+    Hello hello = hello_of("fem", "surface");
+    hello.case_keys = {"sph.spacing = 0.2"};
+    RawPeer wrong(Channel::End::solver, folder.endpoint());
+    wrong.send(hello);
+    const Error error = wrong.expect<Error>();
+    hello.case_keys = {"sph.spacing = 0.1"};
+    RawPeer right(Channel::End::solver, folder.endpoint());
+    right.send(hello);
+    waiting.join();
+    CHECK(error.code == "E_INPUT");
+    CHECK(error.text == "other spacing");
+    CHECK(right.expect<Welcome>().version == std::array<int, 2>{1, 1});
+}
+
+TEST_CASE("who does not tell its case is not asked") {
+    TemporaryFolder folder;
+    HostOptions options = host_options(folder.endpoint(), {"surface"});
+    options.objection = [](const Hello&) { return std::string("never"); };
+    Host host(options);
+    RawPeer fem(Channel::End::solver, folder.endpoint());
+    Hello hello = hello_of("fem", "surface");
+    hello.version = {1, 0};
+    fem.send(hello);
+    host.wait_join();
+    CHECK(fem.expect<Welcome>().version == std::array<int, 2>{1, 0});
+}
+
+TEST_CASE("a refusal for another case stands in the sentence of the time-out") {
+    TemporaryFolder folder;
+    HostOptions options = host_options(folder.endpoint(), {"surface"});
+    options.objection = [](const Hello&) { return std::string("other"); };
+    options.join_timeout = 0.5;
+    Host host(options);
+    RawPeer fem(Channel::End::solver, folder.endpoint());
+    Hello hello = hello_of("fem", "surface");
+    hello.case_keys = {"a = 1"};
+    fem.send(hello);
+    CHECK_THROWS_WITH(
+        host.wait_join(),
+        Catch::Contains("nobody joined as surface, fem was refused for another case,"));
 }
 
 TEST_CASE("who is missing is named when the time to join is up") {
