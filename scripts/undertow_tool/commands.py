@@ -93,7 +93,10 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "cpu_s": round(outcome.cpu_s, 3), "threads": threads,
                **join_summaries(out)}
     if outcome.failed:
-        write_json(out / "summary.json", summary)
+        try:
+            write_json(out / "summary.json", summary)
+        except OSError:     # the disk may be what the run failed of: its own words come first
+            pass
         words = "".join(f"\n  the end of {shown(path)}:" + "".join(f"\n    {line}" for line in lines)
                         for path, lines in last_words(outcome.failed, out))
         raise RunFailed(outcome.code, f"{outcome.failed.name} {how_it_ended(outcome.failed)}{words or ' and left no log.'}")
