@@ -148,6 +148,7 @@ def print_report(out, summary, screen=None):
     for line in figures(summary):
         screen.print("  " + line)
     screen.print(f"  results: {shown(out)}")
-    for name, text in (("report.png", "picture"), ("sph.xdmf", "open in ParaView"), ("fem.xdmf", "open in ParaView")):
+    for name, text in (("report.png", "picture"), ("sph.xdmf", "open in ParaView"), ("fem.xdmf", "open in ParaView"),
+                       ("contact.xdmf", "open in ParaView")):
         if (out / name).exists():
             screen.print(f"  {text}: {shown(out / name)}")
