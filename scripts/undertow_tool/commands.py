@@ -106,6 +106,9 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
         say(f"interrupted; what was computed is in {shown(out)}")
         if any(out.glob("checkpoints/*/manifest.json")):
             say(f"to go on: scripts/undertow resume {shown(out)}")
+        elif case["checkpoint"] is None:
+            say("nothing was kept to go on from; a run that shall be resumed needs a [checkpoint] table, or "
+                "--set checkpoint.on_interrupt=true")
         return INTERRUPTED
     summary["checks"] = []
     write_json(out / "summary.json", summary)       # a report that fails must not cost the run
