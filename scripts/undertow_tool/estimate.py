@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-# Measured on two Zen 4 cores at 96 neighbors; other machines differ, so the result is an estimate.
-PARTICLE_STEPS_PER_S = 14e6 / 2       # per core
+# Measured on two Zen 4 cores, whole runs; other machines differ, so the result is an estimate. Dam break coupled, one pass a step:
+# 9.7 M particle-steps/s of both; against a rigid wall, two passes: 3.5 M; the slide on the bucket, two passes, 1.35 dx: 3.7 M.
+PARTICLE_STEPS_PER_S = 4.9e6          # per core, one pass a step, 58 neighbors
+TWO_PASS_STEPS_PER_S = 1.8e6          # the same of two passes
 ELEMENT_STEPS_PER_S = 20e6            # per core, one-point hexahedra in double
 BBAR_STEPS_PER_S = 8e6                # the same of 8-point hexahedra
 SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does not hide
@@ -13,6 +15,17 @@ PARTICLE_BYTES = 600                  # state in double, packed copies, neighbor
 ELEMENT_BYTES = 600                   # node and element state, connectivity
 SPH_STEP_MARGIN = 0.75                # a run's mean step over the estimate: impacts shorten it
 ONE_PASS, TWO_PASS = 0.25, 0.9        # c0 dt/dx of the two integrators, with their margins
+
+
+def particle_rate(case, dt):
+    """Particle-steps/s of a core at steps of dt: one pass where steps are short (solver.cpp, takes_two_passes); more neighbors cost more."""
+    sph = case["sph"]
+    c0, speed = sound_speed(case), expected_speed(case)
+    passes = {"one_pass": 1, "two_pass": 2}.get(sph["integrator"], 1 if dt <= 0.5 * ONE_PASS * sph["spacing"] / (c0 + speed) else 2)
+    support = 2 * sph["smoothing_ratio"]
+    neighbors = math.pi * support**2 if case["case"]["dimension"] == 2 else 4 / 3 * math.pi * support**3
+    cost = max(1.0, neighbors / 58) ** 0.5
+    return (PARTICLE_STEPS_PER_S if passes == 1 else TWO_PASS_STEPS_PER_S) / cost
 
 
 def boxes_of(case):
@@ -46,10 +59,13 @@ def expected_speed(case):
     return 2 * math.sqrt(abs(case["case"]["gravity"][2]) * height) + start
 
 
+def sound_speed(case):
+    return max(10 * expected_speed(case) if f["sound_speed"] == "auto" else f["sound_speed"] for f in case["sph"]["fluid"])
+
+
 def sph_step(case):
     """(dt [s], what limits it): sound."""
-    sph, speed = case["sph"], expected_speed(case)
-    c0 = max(10 * speed if f["sound_speed"] == "auto" else f["sound_speed"] for f in sph["fluid"])
+    sph, speed, c0 = case["sph"], expected_speed(case), sound_speed(case)
     h = sph["smoothing_ratio"] * sph["spacing"]
     if sph["cfl"] > 0:
         dt = sph["cfl"] * h / (c0 + speed)
@@ -177,7 +193,8 @@ def estimate(case, threads):
         dt, limiter = case["time"]["max_step"], "time.max_step"
     margin = SPH_STEP_MARGIN if limiter.startswith("sph") else 1.0
     steps = case["time"]["end"] / (margin * dt)
-    work_s.append(result["particles"] * steps / (PARTICLE_STEPS_PER_S * threads))
+    if result["particles"]:
+        work_s.append(result["particles"] * steps / (particle_rate(case, dt) * threads))
     # The FEM solver has one thread beside the particle solver's, and computes at the same time
     # only if a core is free.
     eight_points = case["fem"] and any(part.get("element") == "b_bar" for part in case["fem"]["part"])

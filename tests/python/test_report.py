@@ -142,6 +142,17 @@ class EstimateTest(unittest.TestCase):
         case["fem"]["part"][0]["implicit"] = True
         self.assertIn("sph", estimate(case, 2)["limiter"])
 
+    def test_steps_of_the_fluid_itself_take_two_passes_and_longer(self):
+        from undertow_tool.estimate import PARTICLE_STEPS_PER_S, TWO_PASS_STEPS_PER_S, particle_rate
+        # c0 + v = 37.7 m/s: one pass bears 6.6e-5 s, and is taken up to half of that
+        self.assertEqual(particle_rate(CASE, 3e-5), PARTICLE_STEPS_PER_S)
+        self.assertEqual(particle_rate(CASE, 4e-5), TWO_PASS_STEPS_PER_S)
+        forced = copy.deepcopy(CASE)
+        forced["sph"]["integrator"] = "one_pass"
+        self.assertEqual(particle_rate(forced, 4e-5), PARTICLE_STEPS_PER_S)
+        forced["sph"]["smoothing_ratio"] = 1.5
+        self.assertLess(particle_rate(forced, 4e-5), 0.8 * PARTICLE_STEPS_PER_S)
+
 
 class DamBreakReportTest(Folder):
     """The report on the experiment's own curves must find no error, and on others it must."""
