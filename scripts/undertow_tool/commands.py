@@ -122,15 +122,18 @@ def carry_out(case, out, arguments, threads, quiet, resume=None):
         report_failed = True
         say(f"the report of {case['case']['name']} failed (above); the results in {shown(out)} are complete")
     print_report(out, summary)
-    say_warnings(outcome.children, out)
+    say_warnings(outcome.children, out, summary)
     return CHECKS_FAILED if report_failed else DONE
 
 
-def say_warnings(children, out, most=5):
+def say_warnings(children, out, summary, most=5):
     """Once more at the end: while the run goes on those of the solvers reach their logs only."""
     from .launch import warnings_of
 
     told = [(child.name, text) for child in children for text in warnings_of(child, out)]
+    if (summary.get("coupling") or {}).get("contacts_max") == 0:
+        told.append(("the run", "no particle ever touched the coupled surface. If some should have: its facets' outward normals must "
+                                "point into the fluid (set of [[fem.surface]]), and it must stand where the fluid comes to"))
     for name, text in told[:most]:
         say(f"  warning of {name}: {text}")
     if len(told) > most:

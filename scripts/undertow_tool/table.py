@@ -100,7 +100,8 @@ def shares(limiters, most=4):
     """{"sph: sound": 0.932, ...} (fractions or counts) as text, the largest first."""
     total = sum(limiters.values()) or 1
     ordered = sorted(limiters.items(), key=lambda item: -item[1])
-    text = ", ".join(f"{name} {100 * value / total:.0f} %" for name, value in ordered[:most] if value > 0)
+    text = ", ".join(f"{name.replace(' # ', ' ')} {100 * value / total:.0f} %"     # of any number
+                     for name, value in ordered[:most] if value > 0)
     return text + (", ..." if len(ordered) > most else "")
 
 

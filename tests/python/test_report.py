@@ -202,6 +202,21 @@ class DamBreakReportTest(Folder):
         self.assertEqual(set(self.write()), {"momentum given by the water less received by the wall"})
 
 
+class WarningsAtTheEnd(Folder):
+    def told(self, summary):
+        import contextlib
+        import io
+        from undertow_tool.commands import say_warnings
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            say_warnings([], self.out, summary)
+        return said.getvalue()
+
+    def test_a_surface_that_nothing_touched_is_told(self):
+        self.assertIn("no particle ever touched the coupled surface", self.told({"coupling": {"contacts_max": 0}}))
+        self.assertEqual(self.told({"coupling": {"contacts_max": 1}}), "")
+        self.assertEqual(self.told({"sph": {}}), "")        # no coupler, no surface
+
+
 class DefaultReport(Folder):
     """The picture of a case that has no report.py."""
 

@@ -30,6 +30,12 @@ const Mistake mistakes[] = {
     {"spacing = 0.1", "", "case.toml:5:1: [sph] has no spacing: give the particle spacing in m"},
     {"spacing = 0.1", "spacing = 2",
      "case.toml:12:7: sph.fill.0.box = {...} is 1 m thin in x: it must be at least one spacing"},
+    {"spacing = 0.1", "spacing = 0.3",
+     "case.toml:12:7: sph.fill.0.box = {...} is 1 m along x, 3.333 spacings of 0.3 m; it must be a "
+     "whole number: 0.9 or 1.2 m."},
+    {"[sph]", "[start]\nsettle = 2\n[sph]", 
+     "case.toml:5:1: start = {...} leaves no time for the run: time.end = 1 s includes its settle = 2 "
+     "s; give a later end."},
     {"spacing = 0.1", "spacing = 0.1\nkernel = \"wendland_c3\"",
      "case.toml:7:10: sph.kernel = \"wendland_c3\" is not known: allowed are cubic_spline, "
      "wendland_c2, wendland_c4; did you mean \"wendland_c2\"?"},

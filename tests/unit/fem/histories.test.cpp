@@ -26,6 +26,18 @@ FemHistory section(const Vec3& point, std::optional<Vec3> normal, const char* se
     return h;
 }
 
+TEST_CASE("a probe outside of the mesh is told, one on its border or within is not") {
+    BlockCase block{{1, 0.2, 0.2}, {10, 3, 3}};
+    Case c = block.settings();
+    c.fem.probe = {{"edge", {1, 0.2, 0.2}}, {"within", {0.51, 0.1, 0.1}}, {"rounded", {1.001, 0, 0}}};
+    CHECK(build_model(c).mesh.remarks.empty());
+    c.fem.probe.push_back({"millimeters", {1000, 100, 100}});
+    const std::vector<std::string> remarks = build_model(c).mesh.remarks;
+    REQUIRE(remarks.size() == 1);
+    CHECK_THAT(remarks[0], Catch::Contains("\"millimeters\" lies 1.01e+03 m outside of the mesh") &&
+                               Catch::Contains("(1, 0.2, 0.2) m"));
+}
+
 TEST_CASE(
     "the force through a section is what accelerates and loads the side beyond it, at any time") {
     const ElementFormulation element =
