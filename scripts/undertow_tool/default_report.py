@@ -76,6 +76,14 @@ def panels_of(out, case):
     return [p for p in found if p][:MOST_PANELS]
 
 
+def is_rough(values):
+    """Rows that differ from the middle of their neighbors by a hundredth of the range, in the mean: noise, no resolved motion."""
+    values = values[np.isfinite(values)]
+    if len(values) < 4 * MEAN_OVER:
+        return False
+    return np.mean(np.abs(values[1:-1] - (values[:-2] + values[2:]) / 2)) > 0.01 * np.ptp(values)
+
+
 def moving_mean(values):
     """Over a fiftieth of the rows; towards the ends over fewer."""
     half = max(1, len(values) // (2 * MEAN_OVER))
@@ -89,11 +97,11 @@ def draw_panel(axes, title, unit, lines):
     size = max(np.nanmax(np.abs(values)) for _, _, values in lines)
     factor, unit = prefixed(size, unit)
     for (label, t, values), color in zip(lines, COLORS):
-        mean = moving_mean(values)
-        rough = np.nanmax(np.abs(values - mean)) > 0.1 * max(np.ptp(mean), 1e-300)
-        if rough:               # as it is, with its mean before it
+        noisy = unit[-1:] in "Na" and is_rough(values)
+        if noisy:               # as it is, with its mean before it
             axes.plot(t, factor * values, color=color, linewidth=0.5, alpha=0.35)
-        axes.plot(t, factor * (mean if rough else values), color=color, linewidth=1.2, label=label + (", mean" if rough else ""))
+        axes.plot(t, factor * (moving_mean(values) if noisy else values), color=color, linewidth=1.2,
+                  label=label + (f", mean of {np.ptp(t) / MEAN_OVER:.2g} s" if noisy else ""))
     axes.set(title=title, xlabel="t [s]", ylabel=f"[{unit}]")
     axes.margins(x=0)
     axes.legend(loc="best")

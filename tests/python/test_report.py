@@ -272,6 +272,13 @@ class DefaultReport(Folder):
         self.assertEqual(prefixed(0.3, "m3/s"), (1, "m3/s"))
         self.assertEqual(prefixed(5000.0, "m"), (1, "m"))
 
+    def test_noise_is_told_from_a_motion_of_twenty_rows(self):
+        from undertow_tool.default_report import is_rough
+        row = np.arange(1000)
+        self.assertFalse(is_rough(np.sin(2 * np.pi * row / 20) + row / 200))
+        self.assertTrue(is_rough(np.sin(2 * np.pi * row / 20) * (-1) ** row))
+        self.assertTrue(is_rough(row / 1000 + 0.1 * np.random.default_rng(1).standard_normal(1000)))
+
     def test_a_mean_keeps_straight_lines_and_the_ends(self):
         from undertow_tool.default_report import moving_mean
         line = np.linspace(-1, 3, 200)
