@@ -121,6 +121,10 @@ class CheckTest(unittest.TestCase):
             screen.print(comparison_table([("a", {"checks": rows}), ("b", {"wall_s": 1.0})]))
         self.assertIn("-33.3 %", captured.get())
         self.assertEqual(figures({"wall_s": 2.0})[0], "wall time 2 s")
+        self.assertEqual(figures({"wall_s": 2.0, "sph": {"max_speed": 2.0927, "max_density_deviation": 0.0076, "removed": 0,
+                                                         "put_back_behind_walls": 1303}, "fem": {"max_displacement": 0.042048}})[1:],
+                         ["fluid: fastest 2.09 m/s, density within 0.76 %, 1,303 put back behind walls",
+                          "structure: largest displacement 0.04205 m"])
         self.assertEqual(shares({"sph: sound": 3, "output": 1}), "sph: sound 75 %, output 25 %")
 
 
@@ -200,6 +204,23 @@ class DamBreakReportTest(Folder):
     def test_a_short_run_has_only_the_checks_it_reached(self):
         self.t = np.arange(0, 0.2, 4.5e-4)
         self.assertEqual(set(self.write()), {"momentum given by the water less received by the wall"})
+
+
+class NarrowTerminal(unittest.TestCase):
+    def test_eighty_columns_have_the_notes_below_and_whole_names_in_the_table(self):
+        from rich.console import Console
+        from undertow_tool.table import print_report
+        rows = [relative(f"P{k} mean after impact, p/(rho g H)", 0.9, 0.7, 0.1, note="1.2 to 2.4 t* after arrival") for k in (1, 2)]
+        told = {}
+        for width in (80, 120):
+            screen = Console(width=width, highlight=False)
+            with screen.capture() as capture:
+                print_report(pathlib.Path("/nowhere"), {"checks": rows, "title": "t"}, screen)
+            told[width] = capture.get()
+        self.assertIn("P1 mean after impact", told[80])
+        self.assertIn("P1 mean after impact, p/(rho g H); P2 mean", told[80])
+        self.assertEqual(told[80].count("after arrival"), 1)
+        self.assertEqual(told[120].count("after arrival"), 2)
 
 
 class WarningsAtTheEnd(Folder):
