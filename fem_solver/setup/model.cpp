@@ -9,6 +9,7 @@
 #include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/setup/contact_sets.hpp"
 #include "fem_solver/setup/coupled_surface.hpp"
+#include "fem_solver/setup/doubts.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
 #include "fem_solver/setup/immobile.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
@@ -334,6 +335,7 @@ Model build_model(const Case& c, Mesh mesh) {
     for (const FemProbe& p : c.fem.probe)
         model.probes.push_back({p.name, nearest_node(model.mesh, p.point)});
     remark_far_probes(c, model.probes, model.mesh);
+    for (std::string& doubt : doubts(c)) model.mesh.remarks.push_back(std::move(doubt));
     for (const FemHistory& h : c.fem.history)
         if (h.kind == FemHistoryKind::section)
             model.sections.emplace_back(

@@ -26,6 +26,27 @@ FemHistory section(const Vec3& point, std::optional<Vec3> normal, const char* se
     return h;
 }
 
+TEST_CASE("materials in other units are doubted under the earth's gravity, and no real one is") {
+    BlockCase block{{1, 0.2, 0.2}, {2, 1, 1}};
+    Case c = block.settings();
+    c.info.gravity = {0, 0, -9.81};
+    FemMaterial& m = c.fem.material[0];
+    const auto remarks = [&](double density, double young_modulus) {
+        m.density = density, m.young_modulus = young_modulus;
+        return build_model(c).mesh.remarks;
+    };
+    CHECK(remarks(7850, 2.1e11).empty());
+    CHECK(remarks(15, 1e3).empty());  // foam
+    CHECK(remarks(7.85, 2.1e11).size() == 1);  // g/cm3
+    REQUIRE(remarks(1.1, 1.2e7).size() == 1);
+    CHECK_THAT(remarks(1.1, 1.2e7)[0], Catch::Contains("density = 1.1 is that of a gas"));
+    REQUIRE(remarks(1100, 12).size() == 1);
+    CHECK_THAT(remarks(1100, 12)[0], Catch::Contains("young_modulus = 12 is less than any solid"));
+    CHECK(remarks(7850, 2.1e14).size() == 1);
+    c.info.gravity = {0, 0, -1};
+    CHECK(remarks(1.1, 12).empty());
+}
+
 TEST_CASE("a probe outside of the mesh is told, one on its border or within is not") {
     BlockCase block{{1, 0.2, 0.2}, {10, 3, 3}};
     Case c = block.settings();
