@@ -269,11 +269,10 @@ void remark_far_probes(const Case& c, const std::vector<Probe>& probes, Mesh& me
         }
         if (std::sqrt(squared) <= far * size) continue;
         const Vec3& x = mesh.x[std::size_t(probes[k].node)];
-        mesh.remarks.push_back("fem.probe \"" + probes[k].name + "\" lies " +
-                               number_text(std::sqrt(squared), 3) +
-                               " m outside of the mesh; the node nearest to it is taken, at (" +
-                               number_text(x[0], 6) + ", " + number_text(x[1], 6) + ", " +
-                               number_text(x[2], 6) + ") m");
+        mesh.remarks.push_back(
+            "fem.probe \"" + probes[k].name + "\" lies " + number_text(std::sqrt(squared), 3) +
+            " m outside of the mesh; the node nearest to it is taken, at (" + number_text(x[0], 6) +
+            ", " + number_text(x[1], 6) + ", " + number_text(x[2], 6) + ") m");
     }
 }
 

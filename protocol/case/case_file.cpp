@@ -26,10 +26,11 @@ void check_together(const TableReader& reader, const ResolvedCase& resolved, boo
         reader.reject("sph", "is missing, and so is fem: a case needs [sph], [fem] or both.");
     if (c.start.settle >= c.time.end) {
         char text[160];
-        std::snprintf(text, sizeof text,
-                      "leaves no time for the run: time.end = %.6g s includes its settle = %.6g s; give "
-                      "a later end.",
-                      c.time.end, c.start.settle);
+        std::snprintf(
+            text, sizeof text,
+            "leaves no time for the run: time.end = %.6g s includes its settle = %.6g s; give "
+            "a later end.",
+            c.time.end, c.start.settle);
         reader.reject("start", text);
     }
     if (has_coupling && !resolved.coupled)

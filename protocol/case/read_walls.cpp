@@ -9,7 +9,8 @@ namespace undertow {
 
 namespace {
 
-constexpr double most_of_a_spacing = 0.01;  // that a fill may be longer or shorter than its particles
+constexpr double most_of_a_spacing =
+    0.01;  // that a fill may be longer or shorter than its particles
 
 const std::vector<std::pair<std::string, Slip>> slip_names{{"free", Slip::free_slip},
                                                            {"free_slip", Slip::free_slip},
@@ -130,11 +131,11 @@ void require_whole_spacings(TableReader& reader, const Box& box, double spacing,
         const double extent = box.max[k] - box.min[k], cells = extent / spacing;
         if (std::abs(cells - std::round(cells)) <= most_of_a_spacing) continue;
         char text[200];
-        std::snprintf(text, sizeof text,
-                      "is %.6g m along %c, %.3f spacings of %.6g m; it must be a whole number: %.6g "
-                      "or %.6g m.",
-                      extent, axis, cells, spacing, std::floor(cells) * spacing,
-                      std::ceil(cells) * spacing);
+        std::snprintf(
+            text, sizeof text,
+            "is %.6g m along %c, %.3f spacings of %.6g m; it must be a whole number: %.6g "
+            "or %.6g m.",
+            extent, axis, cells, spacing, std::floor(cells) * spacing, std::ceil(cells) * spacing);
         reader.reject("box", text);
     }
 }

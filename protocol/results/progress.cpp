@@ -36,9 +36,9 @@ std::string line_text(const ProgressFigures& f, double particle_rate, double ele
                       double eta, const std::string& kept) {
     const double share = std::clamp(f.t_end > 0 ? f.t / f.t_end : 1.0, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(share * bar_width);
-    std::string text = fmt::format("[{}{}] {:3.0f} %  t {:.4g}/{:.4g} s",
-                                   std::string(filled, '#'), std::string(bar_width - filled, '-'),
-                                   std::floor(100 * share), f.t, f.t_end);
+    std::string text =
+        fmt::format("[{}{}] {:3.0f} %  t {:.4g}/{:.4g} s", std::string(filled, '#'),
+                    std::string(bar_width - filled, '-'), std::floor(100 * share), f.t, f.t_end);
     if (eta > 0) text += "  ETA " + duration_text(eta);
     if (!f.doing.empty()) text += "  " + f.doing;
     text += fmt::format("  step {}  dt {:.2e} s", f.n, f.dt);

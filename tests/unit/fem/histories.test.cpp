@@ -36,7 +36,7 @@ TEST_CASE("materials in other units are doubted under the earth's gravity, and n
         return build_model(c).mesh.remarks;
     };
     CHECK(remarks(7850, 2.1e11).empty());
-    CHECK(remarks(15, 1e3).empty());  // foam
+    CHECK(remarks(15, 1e3).empty());           // foam
     CHECK(remarks(7.85, 2.1e11).size() == 1);  // g/cm3
     REQUIRE(remarks(1.1, 1.2e7).size() == 1);
     CHECK_THAT(remarks(1.1, 1.2e7)[0], Catch::Contains("density = 1.1 is that of a gas"));
@@ -50,7 +50,8 @@ TEST_CASE("materials in other units are doubted under the earth's gravity, and n
 TEST_CASE("a probe outside of the mesh is told, one on its border or within is not") {
     BlockCase block{{1, 0.2, 0.2}, {10, 3, 3}};
     Case c = block.settings();
-    c.fem.probe = {{"edge", {1, 0.2, 0.2}}, {"within", {0.51, 0.1, 0.1}}, {"rounded", {1.001, 0, 0}}};
+    c.fem.probe = {
+        {"edge", {1, 0.2, 0.2}}, {"within", {0.51, 0.1, 0.1}}, {"rounded", {1.001, 0, 0}}};
     CHECK(build_model(c).mesh.remarks.empty());
     c.fem.probe.push_back({"millimeters", {1000, 100, 100}});
     const std::vector<std::string> remarks = build_model(c).mesh.remarks;
