@@ -32,7 +32,7 @@ struct Mesh {
     std::map<std::string, std::vector<std::int32_t>> node_sets;    // nodes of points and curves
     // Sets of the file that are not what their name is used for, and why: told when a case does.
     std::map<std::string, std::string> refused_sets;
-    std::vector<std::string> remarks;  // of the file's reader, for the log
+    std::vector<std::string> remarks;  // of the file's reader and of the set-up, for the log
 
     /// Nodes of a node, facet or volume set, increasing. InputError if there is no such set; `key`
     /// says where the name was given ("fem.support").

@@ -140,7 +140,7 @@ def draw_snapshot(view, run, sph, fem, when, top):
                    fluid=None if fluid is None else fluid[near])
     if fem is not None:
         draw_ground(view, fem, fem.nearest(sph.times[step]), top)
-    view.set(xlim=extent[:2], ylim=extent[2:], title=f"{sph.times[step] - run.start:.2f} s")
+    view.set(xlim=extent[:2], ylim=extent[2:], title=f"{sph.times[step] - run.start:.2f} s", xlabel="x [m]", ylabel="z [m]")
     view.set_xticks(range(-6, 5, 2))
     view.set_yticks([-2, 0, 2])
 
@@ -177,7 +177,7 @@ def draw_plan(view, run, sph, when):
         draw_particles(view, both, np.concatenate([speed, speed]), whole, run.case["sph"]["spacing"], (0, 8),
                        cmap=pictures.FLUIDS[1], above=True)
     view.add_patch(plt.Circle((0, 0), 1.0, facecolor="none", edgecolor="#222222", linewidth=1.6, zorder=4))
-    view.set(xlim=whole[:2], ylim=whole[2:], aspect="equal", title=f"slide from above, {when:g} s")
+    view.set(xlim=whole[:2], ylim=whole[2:], aspect="equal", title=f"slide from above, {when:g} s", xlabel="x [m]", ylabel="y [m]")
 
 
 def draw_forces(view, run):
@@ -190,8 +190,8 @@ def draw_forces(view, run):
             view.plot(t, smooth(t, run.force(phase)[1]) / 1000, color=ink, linewidth=1.0, label=phase)
         paper = [(PAPER["peak_time"], PAPER["peak"]), (PAPER["late"], PAPER["late_force"])]
         view.plot(*zip(*[(a, b / 1000) for a, b in paper]), "o", color=EXPERIMENT, markersize=5, label="paper", zorder=5)
-        view.axvline(PAPER["contact"], color="#aaaaaa", linewidth=1, linestyle="--")
-    view.set(title="Force on the bucket in x", xlabel="s", ylabel="kN")
+        view.axvline(PAPER["contact"], color="#aaaaaa", linewidth=1, linestyle="--", label="paper's contact")
+    view.set(title="Force on the bucket in x", xlabel="t [s]", ylabel="[kN]")
     view.legend()
 
 
@@ -204,7 +204,7 @@ def draw_lid(view, run):
     if run.has_slide:
         paper = [(PAPER["displacement_time"], PAPER["displacement"]), (PAPER["late"], PAPER["late_displacement"])]
         view.plot(*zip(*[(a, 1000 * b) for a, b in paper]), "o", color=EXPERIMENT, markersize=5, label="paper", zorder=5)
-    view.set(title="Displacement", xlabel="s")
+    view.set(title="Displacement", xlabel="t [s]", ylabel="[mm], [mrad]")
     view.legend()
 
 

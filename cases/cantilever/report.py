@@ -82,7 +82,7 @@ def report(results_dir, case, summary):
     mean, f = first_mode(t, u, beam.frequency())
     draw(beam, t, u, mean, f, folder / "report.png")
     rows = [relative("first frequency", f, beam.frequency(), TOLERANCE, "Hz", "Euler-Bernoulli with shear and rotary inertia"),
-            relative("mean deflection of the tip", mean, beam.deflection(), TOLERANCE, "m", "static, with shear")]
+            relative("mean deflection of the tip, downward", -mean, -beam.deflection(), TOLERANCE, "m", "static, with shear")]
     balance = (summary.get("fem") or {}).get("energy_balance_error")
     if balance is not None:
         rows.append(check("energy balance error", balance, 0.0, balance, BALANCE_TOLERANCE, note="of the peak energy"))

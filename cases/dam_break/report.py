@@ -194,6 +194,8 @@ def draw_snapshots(figure, grid, run):
         view.set_xticks([0, 0.4, 0.8, 1.2, 1.6])
         view.set_yticks([0, 0.3, 0.6])
         view.tick_params(length=2)
+    for k, view in enumerate(axes):
+        view.set(xlabel="x [m]" if k >= len(axes) - 2 else "", ylabel="z [m]" if k % 2 == 0 else "")
     if axes:
         pictures.colorbar(figure, axes, limits, "speed [m/s]", shrink=0.8, pad=0.015, aspect=30)
 
@@ -234,11 +236,14 @@ def draw_pressure(axes, run, sensor, curves, arrival, lab_arrival):
     axes.set(title=f"{sensor}, {height:.0f} mm above the bed", xlabel="t* after arrival", ylabel="p/(rho g H)", xlim=(-0.3, 2.9))
     top = np.nanmax(curves[f"{sensor}_p97"][(t > -0.3) & (t < 2.9)])
     axes.set_ylim(-0.1, 1.25 * top)
+    highest = float(np.nanmax(ours[1])) if ours is not None else 0.0
+    if highest > 1.25 * top:
+        axes.text(0.98, 0.56, f"cut: Undertow's peak is {highest:.3g}", transform=axes.transAxes, ha="right", fontsize=8, color=OURS)
 
 
 def draw_force(axes, run):
     ours = run.wall_force()
-    axes.set(title="Force on the wall", xlabel="t*", ylabel="N", xlim=(0, run.case["time"]["end"] * run.star))
+    axes.set(title="Force on the wall", xlabel="t*", ylabel="[N]", xlim=(0, run.case["time"]["end"] * run.star))
     if ours is None:
         axes.text(0.5, 0.5, "no coupled wall in this variant", transform=axes.transAxes, ha="center", color="#888888")
         return

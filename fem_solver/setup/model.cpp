@@ -9,6 +9,7 @@
 #include "fem_solver/setup/block_mesh.hpp"
 #include "fem_solver/setup/contact_sets.hpp"
 #include "fem_solver/setup/coupled_surface.hpp"
+#include "fem_solver/setup/doubts.hpp"
 #include "fem_solver/setup/gmsh_mesh.hpp"
 #include "fem_solver/setup/immobile.hpp"
 #include "fem_solver/setup/implicit_check.hpp"
@@ -249,6 +250,32 @@ std::vector<double> strengths(const Mesh& mesh, const std::vector<Part>& parts) 
     return strength;
 }
 
+/// A probe far from every node is a slip of the pen, or a mesh in other units.
+void remark_far_probes(const Case& c, const std::vector<Probe>& probes, Mesh& mesh) {
+    Vec3 low = mesh.x.front(), high = low;
+    for (const Vec3& x : mesh.x)
+        for (std::size_t d = 0; d < 3; ++d) {
+            low[d] = std::min(low[d], x[d]);
+            high[d] = std::max(high[d], x[d]);
+        }
+    const double size = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    constexpr double far = 0.01;  // of the mesh's size: beyond what rounding and fillets explain
+    for (std::size_t k = 0; k < probes.size(); ++k) {
+        double squared = 0;
+        for (std::size_t d = 0; d < 3; ++d) {
+            if (c.info.dimension == 2 && d == 1) continue;
+            const double at = c.fem.probe[k].point[d];
+            squared += std::pow(std::max({0.0, low[d] - at, at - high[d]}), 2);
+        }
+        if (std::sqrt(squared) <= far * size) continue;
+        const Vec3& x = mesh.x[std::size_t(probes[k].node)];
+        mesh.remarks.push_back(
+            "fem.probe \"" + probes[k].name + "\" lies " + number_text(std::sqrt(squared), 3) +
+            " m outside of the mesh; the node nearest to it is taken, at (" + number_text(x[0], 6) +
+            ", " + number_text(x[1], 6) + ", " + number_text(x[2], 6) + ") m");
+    }
+}
+
 }  // namespace
 
 std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
@@ -306,6 +333,8 @@ Model build_model(const Case& c, Mesh mesh) {
     model.water = make_static_water(c, model.mesh);
     for (const FemProbe& p : c.fem.probe)
         model.probes.push_back({p.name, nearest_node(model.mesh, p.point)});
+    remark_far_probes(c, model.probes, model.mesh);
+    for (std::string& doubt : doubts(c)) model.mesh.remarks.push_back(std::move(doubt));
     for (const FemHistory& h : c.fem.history)
         if (h.kind == FemHistoryKind::section)
             model.sections.emplace_back(

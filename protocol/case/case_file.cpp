@@ -24,6 +24,15 @@ void check_together(const TableReader& reader, const ResolvedCase& resolved, boo
     const Case& c = resolved.values;
     if (!c.sph.present && !c.fem.present)
         reader.reject("sph", "is missing, and so is fem: a case needs [sph], [fem] or both.");
+    if (c.start.settle >= c.time.end) {
+        char text[160];
+        std::snprintf(
+            text, sizeof text,
+            "leaves no time for the run: time.end = %.6g s includes its settle = %.6g s; give "
+            "a later end.",
+            c.time.end, c.start.settle);
+        reader.reject("start", text);
+    }
     if (has_coupling && !resolved.coupled)
         reader.reject("coupling", std::string("couples nothing: the case has no [") +
                                       (c.sph.present ? "fem" : "sph") +

@@ -53,6 +53,7 @@ void read_fill(TableReader& reader, Fill& fill, const SphSettings& sph, const Ca
     for (const Fluid& fluid : sph.fluid)
         if (fluid.name == fill.fluid && fluid.spacing > 0) spacing = fluid.spacing;
     require_one_spacing(reader, fill.box, spacing, info);
+    require_whole_spacings(reader, fill.box, spacing, info);
     reader.polygon("profile", fill.profile);
     read_cylinder_or_stl(reader, fill.within, info);
     reader.vector("velocity", fill.velocity, fill.velocity_field, "xyz", "m/s");

@@ -9,6 +9,9 @@ namespace undertow {
 
 namespace {
 
+constexpr double most_of_a_spacing =
+    0.01;  // that a fill may be longer or shorter than its particles
+
 const std::vector<std::pair<std::string, Slip>> slip_names{{"free", Slip::free_slip},
                                                            {"free_slip", Slip::free_slip},
                                                            {"no_slip", Slip::no_slip},
@@ -116,6 +119,23 @@ void require_one_spacing(TableReader& reader, const Box& box, double spacing,
             "is %.6g m thin in %c: it must be at least one spacing, sph.spacing = %.6g m; "
             "use a finer spacing or a thicker box.",
             extent, axis, spacing);
+        reader.reject("box", text);
+    }
+}
+
+void require_whole_spacings(TableReader& reader, const Box& box, double spacing,
+                            const CaseInfo& info) {
+    if (!reader.has("box") || spacing <= 0) return;
+    for (const char axis : axes_of(info)) {
+        const auto k = static_cast<std::size_t>(axis - 'x');
+        const double extent = box.max[k] - box.min[k], cells = extent / spacing;
+        if (std::abs(cells - std::round(cells)) <= most_of_a_spacing) continue;
+        char text[200];
+        std::snprintf(
+            text, sizeof text,
+            "is %.6g m along %c, %.3f spacings of %.6g m; it must be a whole number: %.6g "
+            "or %.6g m.",
+            extent, axis, cells, spacing, std::floor(cells) * spacing, std::ceil(cells) * spacing);
         reader.reject("box", text);
     }
 }

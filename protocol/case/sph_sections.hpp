@@ -11,6 +11,9 @@ std::string axes_of(const CaseInfo& info);
 void require_in_plane(TableReader& reader, const char* key, const Vec3& v, const CaseInfo& info);
 /// A box must hold at least one particle across; round-off of decimal numbers is forgiven.
 void require_one_spacing(TableReader& reader, const Box& box, double spacing, const CaseInfo& info);
+/// The box of a fill holds a whole number of particles along each axis.
+void require_whole_spacings(TableReader& reader, const Box& box, double spacing,
+                            const CaseInfo& info);
 
 /// from, to, radius or stl, scale, at; nothing if the table has none of them.
 void read_cylinder_or_stl(TableReader& reader, Shape& shape, const CaseInfo& info);

@@ -65,7 +65,7 @@ bool TableReader::has_table(const std::string& key) const {
 }
 
 const Node* TableReader::find(const std::string& key) {
-    known_.push_back(key);
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
     return table_.find(key);
 }
 

@@ -29,24 +29,27 @@ std::string duration_text(double seconds) {
     return fmt::format("{}:{:02d} h", s / 3600, s / 60 % 60);
 }
 
+}  // namespace
+
+/// What a user waits for comes first: a terminal shows as many of the parts as it has columns for.
 std::string line_text(const ProgressFigures& f, double particle_rate, double element_rate,
                       double eta, const std::string& kept) {
     const double share = std::clamp(f.t_end > 0 ? f.t / f.t_end : 1.0, 0.0, 1.0);
     const auto filled = static_cast<std::size_t>(share * bar_width);
-    std::string text = fmt::format("[{}{}] {:3.0f} %  t {:.4g}/{:.4g} s  step {}  dt {:.2e}",
-                                   std::string(filled, '#'), std::string(bar_width - filled, '-'),
-                                   std::floor(100 * share), f.t, f.t_end, f.n, f.dt);
-    if (!f.limiter.empty()) text += fmt::format(" ({})", f.limiter);
-    if (particle_rate > 0) text += fmt::format("  {:.2f} M particle-steps/s", particle_rate / 1e6);
-    if (element_rate > 0) text += fmt::format("  {:.2f} M element-steps/s", element_rate / 1e6);
-    if (!f.waiting.empty()) text += "  " + f.waiting;
-    if (f.force >= 0) text += fmt::format("  F {:.3g} N", f.force);
-    text += kept;
+    std::string text =
+        fmt::format("[{}{}] {:3.0f} %  t {:.4g}/{:.4g} s", std::string(filled, '#'),
+                    std::string(bar_width - filled, '-'), std::floor(100 * share), f.t, f.t_end);
+    if (eta > 0) text += "  ETA " + duration_text(eta);
     if (!f.doing.empty()) text += "  " + f.doing;
-    return eta > 0 ? text + "  ETA " + duration_text(eta) : text;
+    text += fmt::format("  step {}  dt {:.2e} s", f.n, f.dt);
+    if (!f.limiter.empty()) text += fmt::format(" ({})", f.limiter);
+    text += kept;
+    if (particle_rate > 0) text += fmt::format("  {:.3g} M particle-steps/s", particle_rate / 1e6);
+    if (element_rate > 0) text += fmt::format("  {:.3g} M element-steps/s", element_rate / 1e6);
+    if (!f.waiting.empty()) text += "  " + f.waiting;
+    if (f.force >= 0) text += fmt::format("  contact force {:.3g} N", f.force);
+    return text;
 }
-
-}  // namespace
 
 void ProgressLine::write_status(const char* state, const ProgressFigures& f, double particle_rate,
                                 double element_rate, double wall, double eta) const {

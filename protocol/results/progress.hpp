@@ -19,6 +19,10 @@ struct ProgressFigures {
     std::string doing{};             // "writing step_000001200": what holds the steps up
 };
 
+/// The live line: rates in 1/s (0 = not shown), eta in s (0 = not shown), `kept` as it is.
+std::string line_text(const ProgressFigures& figures, double particle_rate, double element_rate,
+                      double eta, const std::string& kept);
+
 class ProgressLine {
  public:
     /// quiet: nothing at all is shown. Also writes `status_file` (JSON, atomic rename, once a

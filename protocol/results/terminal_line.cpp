@@ -18,6 +18,12 @@ int columns() {
 
 }  // namespace
 
+std::string_view whole_parts(std::string_view text, std::size_t columns) {
+    if (text.size() <= columns) return text;
+    const std::size_t gap = text.substr(0, columns + 2).rfind("  ");
+    return text.substr(0, gap == std::string_view::npos || gap == 0 ? columns : gap);
+}
+
 bool on_terminal() {
     static const bool terminal = isatty(STDERR_FILENO) == 1;
     return terminal;
@@ -29,9 +35,8 @@ void show_terminal_line(std::string_view text) {
         return;
     }
     const int most = columns() - 1;  // a full line would wrap and scroll
-    const int shown =
-        text.size() < static_cast<std::size_t>(most) ? static_cast<int>(text.size()) : most;
-    std::fprintf(stderr, "\r%.*s\033[K", shown, text.data());
+    const std::string_view shown = whole_parts(text, static_cast<std::size_t>(most));
+    std::fprintf(stderr, "\r%.*s\033[K", static_cast<int>(shown.size()), shown.data());
     std::fflush(stderr);
     line_open = true;
 }

@@ -91,7 +91,10 @@ def carry_out(case, out, arguments, threads, quiet, resume=None, spin=None):
                "exit_code": outcome.code, "wall_s": round(outcome.wall_s, 3), "cpu_s": round(outcome.cpu_s, 3), "threads": threads,
                **join_summaries(out)}
     if outcome.failed:
-        write_json(out / "summary.json", summary)
+        try:
+            write_json(out / "summary.json", summary)
+        except OSError:     # the disk may be what the run failed of: its own words come first
+            pass
         words = "".join(f"\n  the end of {shown(path)}:" + "".join(f"\n    {line}" for line in lines)
                         for path, lines in last_words(outcome.failed, out))
         raise RunFailed(outcome.code, f"{outcome.failed.name} {how_it_ended(outcome.failed)}{words or ' and left no log.'}")
@@ -101,6 +104,9 @@ def carry_out(case, out, arguments, threads, quiet, resume=None, spin=None):
         say(f"interrupted; what was computed is in {shown(out)}")
         if any(out.glob("checkpoints/*/manifest.json")):
             say(f"to go on: scripts/undertow resume {shown(out)}")
+        elif case["checkpoint"] is None:
+            say("nothing was kept to go on from; a run that shall be resumed needs a [checkpoint] table, or "
+                "--set checkpoint.on_interrupt=true")
         return INTERRUPTED
     summary["checks"] = []
     write_json(out / "summary.json", summary)       # a report that fails must not cost the run
@@ -114,15 +120,18 @@ def carry_out(case, out, arguments, threads, quiet, resume=None, spin=None):
         report_failed = True
         say(f"the report of {case['case']['name']} failed (above); the results in {shown(out)} are complete")
     print_report(out, summary)
-    say_warnings(outcome.children, out)
+    say_warnings(outcome.children, out, summary)
     return CHECKS_FAILED if report_failed else DONE
 
 
-def say_warnings(children, out, most=5):
+def say_warnings(children, out, summary, most=5):
     """Once more at the end: while the run goes on those of the solvers reach their logs only."""
     from .launch import warnings_of
 
     told = [(child.name, text) for child in children for text in warnings_of(child, out)]
+    if (summary.get("coupling") or {}).get("contacts_max") == 0:
+        told.append(("the run", "no particle ever touched the coupled surface. If some should have: its facets' outward normals must "
+                                "point into the fluid (set of [[fem.surface]]), and it must stand where the fluid comes to"))
     for name, text in told[:most]:
         say(f"  warning of {name}: {text}")
     if len(told) > most:

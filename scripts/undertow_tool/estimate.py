@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-# Measured on two cores with AVX-512 (dam break, bucket); other machines differ, so the result is an estimate.
-NEIGHBORS_PER_S = 3.4e8               # per core, two passes
-BESIDES_NEIGHBORS = 15                # of a particle's step, as neighbors
-VISCOPLASTIC = 1.35                   # times as much where a fluid's viscosity varies
+# Measured on two Zen 4 cores, whole runs; other machines differ, so the result is an estimate. Dam break coupled, one pass a step:
+# 9.7 M particle-steps/s of both; against a rigid wall, two passes: 3.5 M; the slide on the bucket, two passes, 1.35 dx: 3.7 M.
+PARTICLE_STEPS_PER_S = 4.9e6          # per core, one pass a step, 58 neighbors
+TWO_PASS_STEPS_PER_S = 1.8e6          # the same of two passes
 ELEMENT_STEPS_PER_S = 20e6            # per core, one-point hexahedra in double
 BBAR_STEPS_PER_S = 8e6                # the same of 8-point hexahedra
 SECONDS_PER_COUPLED_STEP = 150e-6     # messages and contact that computing does not hide
@@ -15,6 +15,17 @@ PARTICLE_BYTES = 600                  # state in double, packed copies, neighbor
 ELEMENT_BYTES = 600                   # node and element state, connectivity
 SPH_STEP_MARGIN = 0.75                # a run's mean step over the estimate: impacts shorten it
 ONE_PASS, TWO_PASS = 0.25, 0.9        # c0 dt/dx of the two integrators, with their margins
+
+
+def particle_rate(case, dt):
+    """Particle-steps/s of a core at steps of dt: one pass where steps are short (solver.cpp, takes_two_passes); more neighbors cost more."""
+    sph = case["sph"]
+    c0, speed = sound_speed(case), expected_speed(case)
+    passes = {"one_pass": 1, "two_pass": 2}.get(sph["integrator"], 1 if dt <= 0.5 * ONE_PASS * sph["spacing"] / (c0 + speed) else 2)
+    support = 2 * sph["smoothing_ratio"]
+    neighbors = math.pi * support**2 if case["case"]["dimension"] == 2 else 4 / 3 * math.pi * support**3
+    cost = max(1.0, neighbors / 58) ** 0.5
+    return (PARTICLE_STEPS_PER_S if passes == 1 else TWO_PASS_STEPS_PER_S) / cost
 
 
 def boxes_of(case):
@@ -48,10 +59,13 @@ def expected_speed(case):
     return 2 * math.sqrt(abs(case["case"]["gravity"][2]) * height) + start
 
 
+def sound_speed(case):
+    return max(10 * expected_speed(case) if f["sound_speed"] == "auto" else f["sound_speed"] for f in case["sph"]["fluid"])
+
+
 def sph_step(case):
     """(dt [s], what limits it): sound."""
-    sph, speed = case["sph"], expected_speed(case)
-    c0 = max(10 * speed if f["sound_speed"] == "auto" else f["sound_speed"] for f in sph["fluid"])
+    sph, speed, c0 = case["sph"], expected_speed(case), sound_speed(case)
     h = sph["smoothing_ratio"] * sph["spacing"]
     if sph["cfl"] > 0:
         dt = sph["cfl"] * h / (c0 + speed)
@@ -59,17 +73,6 @@ def sph_step(case):
         courant = ONE_PASS if sph["integrator"] == "one_pass" else TWO_PASS
         dt = courant * sph["spacing"] / (c0 + speed)
     return dt, f"sound, c0 = {c0:.4g} m/s"
-
-
-def particle_step(case):
-    """[s] of one core for a particle's step."""
-    sph = case["sph"]
-    ratio = sph["smoothing_ratio"]
-    neighbors = math.pi * (2 * ratio) ** 2 if case["case"]["dimension"] == 2 else 4 / 3 * math.pi * (2 * ratio) ** 3
-    yields = any(fluid.get("yield_stress", 0) > 0 or fluid.get("consistency", 0) > 0 for fluid in sph["fluid"])
-    one_pass = 0.65 if sph["integrator"] == "one_pass" else 1
-    twice = 2 if sph.get("precision") == "double" else 1
-    return (neighbors + BESIDES_NEIGHBORS) / NEIGHBORS_PER_S * (VISCOPLASTIC if yields else 1) * one_pass * twice
 
 
 def read_hexahedra(path, rigid):
@@ -190,8 +193,8 @@ def estimate(case, threads):
         dt, limiter = case["time"]["max_step"], "time.max_step"
     margin = SPH_STEP_MARGIN if limiter.startswith("sph") else 1.0
     steps = case["time"]["end"] / (margin * dt)
-    if case["sph"]:
-        work_s.append(result["particles"] * steps * particle_step(case) / threads)
+    if result["particles"]:
+        work_s.append(result["particles"] * steps / (particle_rate(case, dt) * threads))
     # The FEM solver has one thread beside the particle solver's, and computes at the same time
     # only if a core is free.
     eight_points = case["fem"] and any(part.get("element") == "b_bar" for part in case["fem"]["part"])

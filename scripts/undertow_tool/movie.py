@@ -7,7 +7,8 @@ import numpy as np
 from .errors import UserError
 from .fields import open_fields
 from .paths import shown
-from .pictures import colorbar, draw_mesh, draw_particles, draw_section, new_figure, plt, section_faces
+from . import scene
+from .pictures import FLUIDS, colorbar, draw_particles, draw_section, new_figure, plt, section_faces
 
 
 def frame_extent(case, sph, fem):
@@ -44,10 +45,10 @@ def find_section(fem):
     return (faces, element) if len(faces) else None
 
 
-def draw_structure(axes, fem, step, section):
+def draw_structure(axes, fem, step, section, outer):
     x, plastic = fem.read(step, "plastic_strain")
     if section is None or plastic is None:
-        draw_mesh(axes, x, fem.hexahedra)
+        scene.draw_structure(axes, x, *outer, edge=scene.line_width(fem.cells))
         return
     faces, element = section
     largest = 100 * fem.read(len(fem) - 1, "plastic_strain")[1].max()
@@ -70,11 +71,19 @@ def make_movie(out, case, path, fps=25, height=720):
     size = (2 * round(height * ratio / 2), 2 * round(height / 2))
     figure = new_figure((size[0] / 100, size[1] / 100))
     figure.set_dpi(100)
-    axes = figure.add_axes([0.05, 0.09, 0.84, 0.83])
-    if sph and len(case["sph"]["fluid"]) == 1:      # several fluids have each their own colors
-        colorbar(figure, axes, limits, "speed [m/s]", cax=figure.add_axes([0.92, 0.15, 0.015, 0.7]))
+    # fonts have their size whatever the picture's: room for numbers and labels in pixels
+    left, right, bottom, top = 62 / size[0], 1 - 115 / size[0], 50 / size[1], 1 - 38 / size[1]
+    axes = figure.add_axes([left, bottom, right - left, top - bottom])
+    bar, tall = right + 20 / size[0], top - bottom
+    fluids = case["sph"]["fluid"] if sph else []
+    if len(fluids) == 1:
+        colorbar(figure, axes, limits, "speed [m/s]", cax=figure.add_axes([bar, bottom + 0.1 * tall, 18 / size[0], 0.8 * tall]))
+    for k, fluid in enumerate(fluids[:2] if len(fluids) > 1 else []):    # each has its own colors
+        colorbar(figure, axes, limits, f"{fluid['name']}: speed [m/s]", FLUIDS[k],
+                 cax=figure.add_axes([bar, bottom + (0.55 - 0.52 * k) * tall, 18 / size[0], 0.42 * tall]))
     lead = sph or fem
     section = find_section(fem)
+    outer = scene.outer_faces(fem.cells) if fem else None
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba",
                "-s", f"{size[0]}x{size[1]}", "-r", str(fps), "-i", "-", "-c:v", "libx264",
                "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart", str(path)]
@@ -82,6 +91,7 @@ def make_movie(out, case, path, fps=25, height=720):
         for step, t in enumerate(lead.times):
             axes.clear()
             axes.set_title(f"{case['case']['title']}    t = {t:.3f} s")
+            scene.draw_walls(axes, case, t, extent)
             if sph:
                 x, velocity, fluid = sph.read(step, "velocity", "fluid")
                 speed = np.linalg.norm(velocity, axis=1) if velocity is not None else np.zeros(len(x))
@@ -89,13 +99,13 @@ def make_movie(out, case, path, fps=25, height=720):
                     near = x[:, 1] < 2.5 * case["sph"]["spacing"]
                     x, speed, fluid = x[near], speed[near], None if fluid is None else fluid[near]
                 draw_particles(axes, x, speed, extent, case["sph"]["spacing"], limits, width=size[0], fluid=fluid)
-            else:
-                axes.set_xlim(*extent[:2])
-                axes.set_ylim(*extent[2:])
-            if fem and fem.hexahedra is not None:
-                draw_structure(axes, fem, fem.nearest(t), section)
+            if fem:
+                draw_structure(axes, fem, fem.nearest(t), section, outer)
+            axes.set_xlim(*extent[:2])
+            axes.set_ylim(*extent[2:])
             axes.set_aspect("equal")
             axes.grid(False)
+            scene.label_axes(axes)
             figure.canvas.draw()
             ffmpeg.stdin.write(figure.canvas.buffer_rgba())
         ffmpeg.stdin.close()

@@ -1,4 +1,5 @@
-"""Runs a case's own report.py: report(results_dir, resolved_case, summary) -> list of checks."""
+"""Runs a case's own report.py: report(results_dir, resolved_case, summary) -> list of checks. A case without one gets
+a picture of its fields and histories."""
 import importlib.util
 from pathlib import Path
 
@@ -6,7 +7,7 @@ from .results_folder import read_json, write_json
 
 
 def run_report(out, case, summary):
-    """Fills summary["checks"]; a case without report.py has none."""
+    """Fills summary["checks"]; a case without report.py has none, but a picture."""
     script = Path(case["folder"]) / "report.py"
     checks = []
     if script.exists():
@@ -14,6 +15,12 @@ def run_report(out, case, summary):
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         checks = module.report(out, case, summary)
+    else:
+        from .default_report import draw_report
+        try:
+            draw_report(Path(out), case)
+        except Exception as error:      # noqa: BLE001: nobody asked for this picture, so the run does not fail of it
+            print(f"report.png could not be drawn: {type(error).__name__}: {error}")
     summary["checks"] = checks
     return checks
 

@@ -67,10 +67,13 @@ def describe_run(command, threads):
 
 
 def write_json(path, value):
-    """Written aside and renamed."""
+    """Written aside and renamed. OSError names the file, also where the disk is full."""
     aside = path.with_suffix(path.suffix + ".tmp")
-    aside.write_text(json.dumps(value, indent=2) + "\n")
-    aside.rename(path)
+    try:
+        aside.write_text(json.dumps(value, indent=2) + "\n")
+        aside.rename(path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
 
 
 def read_json(path):

@@ -5,6 +5,8 @@ from rich.text import Text
 
 from .paths import shown
 
+ROOM_FOR_NOTES = 110        # [columns] a table in fewer has its notes below
+
 
 def console(width=120):
     """On a pipe or in a log the table is not squeezed into 80 columns."""
@@ -49,15 +51,26 @@ def verdict(row):
     return {True: Text("yes", "green"), False: Text("NO", "bold red"), None: Text("-", "dim")}[row["ok"]]
 
 
-def check_table(title, checks):
+def check_table(title, checks, notes=True):
     table = Table(title=title, title_justify="left", title_style="bold")
-    for column, justify in (("quantity", "left"), ("reference", "right"), ("ours", "right"),
-                            ("error", "right"), ("allowed", "right"), ("ok", "center"), ("note", "left")):
+    columns = (("quantity", "left"), ("reference", "right"), ("ours", "right"), ("error", "right"), ("allowed", "right"),
+               ("ok", "center"), ("note", "left"))[:7 if notes else 6]
+    for column, justify in columns:
         table.add_column(column, justify=justify, overflow="fold")
     for row in checks:
-        table.add_row(row["name"], number(row["reference"], row["unit"]), number(row["value"], row["unit"]),
-                      error_text(row), limit_text(row), verdict(row), row["note"])
+        cells = (row["name"], number(row["reference"], row["unit"]), number(row["value"], row["unit"]), error_text(row),
+                 limit_text(row), verdict(row), row["note"])
+        table.add_row(*cells[:len(columns)])
     return table
+
+
+def notes_below(checks):
+    """Lines that stand for the column of notes: who has the same one shares a line."""
+    told = {}
+    for row in checks:
+        if row["note"]:
+            told.setdefault(row["note"], []).append(row["name"])
+    return [f"  {'; '.join(names)}: {note}" for note, names in told.items()]
 
 
 def comparison_table(summaries):
@@ -100,8 +113,21 @@ def shares(limiters, most=4):
     """{"sph: sound": 0.932, ...} (fractions or counts) as text, the largest first."""
     total = sum(limiters.values()) or 1
     ordered = sorted(limiters.items(), key=lambda item: -item[1])
-    text = ", ".join(f"{name} {100 * value / total:.0f} %" for name, value in ordered[:most] if value > 0)
+    text = ", ".join(f"{name.replace(' # ', ' ')} {100 * value / total:.0f} %"     # of any number
+                     for name, value in ordered[:most] if value > 0)
     return text + (", ..." if len(ordered) > most else "")
+
+
+def physics(sph, fem):
+    """What the run computed, in the figures by which one sees whether it can be right."""
+    fluid = [f"{label} {sph[key] * factor:.3g}{unit}" for label, key, factor, unit in
+             (("fastest", "max_speed", 1, " m/s"), ("density within", "max_density_deviation", 100, " %")) if key in sph]
+    fluid += [f"{sph[key]:,} {words}" for key, words in (("removed", "removed"), ("put_back_behind_walls", "put back behind walls"))
+              if sph.get(key)]
+    lines = ["fluid: " + ", ".join(fluid)] if fluid else []
+    if "max_displacement" in fem:
+        lines.append(f"structure: largest displacement {number(float(fem['max_displacement']), 'm')}")
+    return lines
 
 
 def figures(summary):
@@ -124,6 +150,7 @@ def figures(summary):
             if part.get("threads"):
                 text += f" on {part['threads']} thread" + ("s" if part["threads"] != 1 else "")
             lines.append(text)
+    lines += physics(sph, fem)
     told = [f"{label} {100 * coupling[key]:.1f} %" for label, key in
             (("overhead", "overhead_fraction"), ("SPH waited", "sph_wait_fraction"),
              ("FEM waited", "fem_wait_fraction"))
@@ -144,10 +171,14 @@ def figures(summary):
 def print_report(out, summary, screen=None):
     screen = screen or console()
     if summary.get("checks"):
-        screen.print(check_table(summary.get("title", summary.get("case", "")), summary["checks"]))
+        wide = screen.width >= ROOM_FOR_NOTES
+        screen.print(check_table(summary.get("title", summary.get("case", "")), summary["checks"], wide))
+        for line in [] if wide else notes_below(summary["checks"]):
+            screen.print(line)
     for line in figures(summary):
         screen.print("  " + line)
     screen.print(f"  results: {shown(out)}")
-    for name, text in (("report.png", "picture"), ("sph.xdmf", "open in ParaView"), ("fem.xdmf", "open in ParaView")):
+    for name, text in (("report.png", "picture"), ("sph.xdmf", "open in ParaView"), ("fem.xdmf", "open in ParaView"),
+                       ("contact.xdmf", "open in ParaView")):
         if (out / name).exists():
             screen.print(f"  {text}: {shown(out / name)}")

@@ -259,7 +259,27 @@ class EndsBeforeItJoins(unittest.TestCase):
         self.assertIn("backend.py cannot be started: No such file or directory.", lines[-1])
 
 
+    def test_a_full_disk_does_not_hide_why_it_failed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            full = str(pathlib.Path(folder) / "out" / "summary.json.tmp")
+            code, lines = self.run_with(folder, f"os.symlink('/dev/full', {full!r})\n"
+                                                "print('no license server', file=sys.stderr); sys.exit(7)")
+        self.assertEqual(code, 7)
+        self.assertEqual(lines[-1].strip(), "no license server")
+        self.assertFalse([line for line in lines if "Traceback" in line], lines)
+
+
 class ResultsFolderTest(unittest.TestCase):
+    def test_a_full_disk_is_told_with_the_name_of_the_file(self):
+        from undertow_tool.results_folder import write_json
+
+        with tempfile.TemporaryDirectory() as top:
+            path = pathlib.Path(top) / "summary.json"
+            path.with_suffix(".json.tmp").symlink_to("/dev/full")
+            with self.assertRaises(OSError) as caught:
+                write_json(path, {"t": 1})
+            self.assertEqual((caught.exception.filename, caught.exception.errno), (str(path), 28))
+
     def test_earlier_results_move_aside_and_nothing_else_is_touched(self):
         from undertow_tool.errors import UserError
         from undertow_tool.results_folder import prepare

@@ -121,6 +121,10 @@ class CheckTest(unittest.TestCase):
             screen.print(comparison_table([("a", {"checks": rows}), ("b", {"wall_s": 1.0})]))
         self.assertIn("-33.3 %", captured.get())
         self.assertEqual(figures({"wall_s": 2.0})[0], "wall time 2 s")
+        self.assertEqual(figures({"wall_s": 2.0, "sph": {"max_speed": 2.0927, "max_density_deviation": 0.0076, "removed": 0,
+                                                         "put_back_behind_walls": 1303}, "fem": {"max_displacement": 0.042048}})[1:],
+                         ["fluid: fastest 2.09 m/s, density within 0.76 %, 1,303 put back behind walls",
+                          "structure: largest displacement 0.04205 m"])
         self.assertEqual(shares({"sph: sound": 3, "output": 1}), "sph: sound 75 %, output 25 %")
 
 
@@ -141,6 +145,17 @@ class EstimateTest(unittest.TestCase):
         case = copy.deepcopy(CASE)
         case["fem"]["part"][0]["implicit"] = True
         self.assertIn("sph", estimate(case, 2)["limiter"])
+
+    def test_steps_of_the_fluid_itself_take_two_passes_and_longer(self):
+        from undertow_tool.estimate import PARTICLE_STEPS_PER_S, TWO_PASS_STEPS_PER_S, particle_rate
+        # c0 + v = 37.7 m/s: one pass bears 6.6e-5 s, and is taken up to half of that
+        self.assertEqual(particle_rate(CASE, 3e-5), PARTICLE_STEPS_PER_S)
+        self.assertEqual(particle_rate(CASE, 4e-5), TWO_PASS_STEPS_PER_S)
+        forced = copy.deepcopy(CASE)
+        forced["sph"]["integrator"] = "one_pass"
+        self.assertEqual(particle_rate(forced, 4e-5), PARTICLE_STEPS_PER_S)
+        forced["sph"]["smoothing_ratio"] = 1.5
+        self.assertLess(particle_rate(forced, 4e-5), 0.8 * PARTICLE_STEPS_PER_S)
 
 
 class DamBreakReportTest(Folder):
@@ -189,6 +204,121 @@ class DamBreakReportTest(Folder):
     def test_a_short_run_has_only_the_checks_it_reached(self):
         self.t = np.arange(0, 0.2, 4.5e-4)
         self.assertEqual(set(self.write()), {"momentum given by the water less received by the wall"})
+
+
+class NarrowTerminal(unittest.TestCase):
+    def test_eighty_columns_have_the_notes_below_and_whole_names_in_the_table(self):
+        from rich.console import Console
+        from undertow_tool.table import print_report
+        rows = [relative(f"P{k} mean after impact, p/(rho g H)", 0.9, 0.7, 0.1, note="1.2 to 2.4 t* after arrival") for k in (1, 2)]
+        told = {}
+        for width in (80, 120):
+            screen = Console(width=width, highlight=False)
+            with screen.capture() as capture:
+                print_report(pathlib.Path("/nowhere"), {"checks": rows, "title": "t"}, screen)
+            told[width] = capture.get()
+        self.assertIn("P1 mean after impact", told[80])
+        self.assertIn("P1 mean after impact, p/(rho g H); P2 mean", told[80])
+        self.assertEqual(told[80].count("after arrival"), 1)
+        self.assertEqual(told[120].count("after arrival"), 2)
+
+
+class WarningsAtTheEnd(Folder):
+    def told(self, summary):
+        import contextlib
+        import io
+        from undertow_tool.commands import say_warnings
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            say_warnings([], self.out, summary)
+        return said.getvalue()
+
+    def test_a_surface_that_nothing_touched_is_told(self):
+        self.assertIn("no particle ever touched the coupled surface", self.told({"coupling": {"contacts_max": 0}}))
+        self.assertEqual(self.told({"coupling": {"contacts_max": 1}}), "")
+        self.assertEqual(self.told({"sph": {}}), "")        # no coupler, no surface
+
+
+class DefaultReport(Folder):
+    """The picture of a case that has no report.py."""
+
+    HEXAHEDRA = np.array([[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]])
+
+    def mesh(self, **views):
+        import h5py
+        with h5py.File(self.out / "fem.vtkhdf", "w") as file:
+            file["VTKHDF/Steps/Values"] = np.array([0.0, 1.0])
+            for name, value in views.items():
+                file[f"Views/{name}"] = value
+            x = np.array([(i, j, k) for k in range(3) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
+            for step in ("00000", "00001"):
+                file[f"Views/{step}/Points"] = x
+                file[f"Views/{step}/CellData/von_mises"] = np.array([1e6, 2e6])
+
+    def case(self, **changes):
+        case = copy.deepcopy(CASE)
+        case["folder"] = str(self.out)
+        case.update(changes)
+        return case
+
+    def test_outer_faces_are_those_of_one_solid_alone_and_all_shells(self):
+        from undertow_tool.fields import split_cells
+        from undertow_tool.scene import outer_faces
+        faces, owners = outer_faces({9: (np.arange(2), self.HEXAHEDRA)})
+        self.assertEqual(len(faces), 10)                    # two cubes, less the two sides that meet
+        self.assertEqual(sorted(np.bincount(owners)), [5, 5])
+        cells = split_cells(np.array([6, 0, 1, 2, 4, 6, 1, 2, 3, 4, 5, 5, 6, 7, 8, 4, 8, 9, 10]))
+        faces, owners = outer_faces(cells)                  # two tetrahedra on a common side, a quad, a triangle
+        self.assertEqual(sorted(np.bincount(owners)), [1, 1, 3, 3])
+        self.assertNotIn([1, 2, 4, 4], [sorted(face.tolist()) for face in faces])
+
+    def test_bodies_are_where_their_law_puts_them_and_unknown_places_are_not_guessed(self):
+        from undertow_tool.scene import outline, place_of
+        body = {"box": {"min": [0, 0, 1], "max": [2, 1, 3]}, "velocity": [1.0, 0, 2.0], "start": 0.5, "stop": 1.5}
+        self.assertEqual(outline(body).tolist(), [[0, 1], [2, 1], [2, 3], [0, 3]])
+        self.assertEqual(place_of(body, 0.2).tolist(), [0, 0])
+        self.assertEqual(place_of(body, 9).tolist(), [1, 2])
+        self.assertIsNone(place_of({**body, "displacement": ["t", "0", "0"]}, 1))
+        pipe = outline({"from": [1, 0, 2], "to": [1, 5, 2], "radius": 0.5})
+        self.assertTrue(np.allclose(np.hypot(pipe[:, 0] - 1, pipe[:, 1] - 2), 0.5))
+
+    def test_panels_show_what_changes_in_units_near_one(self):
+        from undertow_tool.default_report import panels_of, prefixed
+        t = np.linspace(0, 1, 50)
+        (self.out / "fem.history.csv").write_text("t [s],tip.ux [m],tip.uy [m],tip.vx [m/s]\n" + "".join(
+            f"{a},{1e-3 * a},0,{a}\n" for a in t))
+        (title, unit, lines), = panels_of(self.out, self.case())
+        self.assertEqual((title, unit, [label for label, _, _ in lines]), ("Displacements", "m", ["tip.ux"]))
+        self.assertEqual(prefixed(1e-3, "m"), (1e3, "mm"))
+        self.assertEqual(prefixed(2.5e6, "Pa"), (1e-6, "MPa"))
+        self.assertEqual(prefixed(0.3, "m3/s"), (1, "m3/s"))
+        self.assertEqual(prefixed(5000.0, "m"), (1, "m"))
+
+    def test_noise_is_told_from_a_motion_of_twenty_rows(self):
+        from undertow_tool.default_report import is_rough
+        row = np.arange(1000)
+        self.assertFalse(is_rough(np.sin(2 * np.pi * row / 20) + row / 200))
+        self.assertTrue(is_rough(np.sin(2 * np.pi * row / 20) * (-1) ** row))
+        self.assertTrue(is_rough(row / 1000 + 0.1 * np.random.default_rng(1).standard_normal(1000)))
+
+    def test_a_mean_keeps_straight_lines_and_the_ends(self):
+        from undertow_tool.default_report import moving_mean
+        line = np.linspace(-1, 3, 200)
+        self.assertTrue(np.allclose(moving_mean(line), line))
+
+    def test_it_is_drawn_with_and_without_fields_and_a_report_of_the_case_comes_first(self):
+        case = self.case(sph=None, coupled=False)
+        reports.run_report(self.out, case, {})
+        self.assertFalse((self.out / "report.png").exists())        # nothing to draw is no failure
+        self.mesh(Hexahedra=self.HEXAHEDRA)
+        summary = {}
+        reports.run_report(self.out, case, summary)
+        self.assertEqual(summary["checks"], [])
+        self.assertEqual((self.out / "report.png").read_bytes()[:4], b"\x89PNG")
+        (self.out / "report.png").unlink()
+        (self.out / "report.py").write_text("def report(out, case, summary):\n    return [{'ok': True}]\n")
+        reports.run_report(self.out, case, summary)
+        self.assertEqual(summary["checks"], [{"ok": True}])
+        self.assertFalse((self.out / "report.png").exists())
 
 
 if __name__ == "__main__":

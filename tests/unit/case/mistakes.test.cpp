@@ -30,12 +30,22 @@ const Mistake mistakes[] = {
     {"spacing = 0.1", "", "case.toml:5:1: [sph] has no spacing: give the particle spacing in m"},
     {"spacing = 0.1", "spacing = 2",
      "case.toml:12:7: sph.fill.0.box = {...} is 1 m thin in x: it must be at least one spacing"},
+    {"spacing = 0.1", "spacing = 0.3",
+     "case.toml:12:7: sph.fill.0.box = {...} is 1 m along x, 3.333 spacings of 0.3 m; it must be a "
+     "whole number: 0.9 or 1.2 m."},
+    {"[sph]", "[start]\nsettle = 2\n[sph]",
+     "case.toml:5:1: start = {...} leaves no time for the run: time.end = 1 s includes its settle "
+     "= 2 "
+     "s; give a later end."},
     {"spacing = 0.1", "spacing = 0.1\nkernel = \"wendland_c3\"",
      "case.toml:7:10: sph.kernel = \"wendland_c3\" is not known: allowed are cubic_spline, "
      "wendland_c2, wendland_c4; did you mean \"wendland_c2\"?"},
     {"[sph]", "[output]\ncontact_fields = false\ncontact_every = 0.1\n[sph]",
-     "case.toml:7:17: output.contact_every = 0.1 has nothing to write: set output.contact_fields = true"},
-    {"[[fem.material]]\nname = \"steel\"\ndensity = 7850\nyoung_modulus = 210e9\npoisson_ratio = 0.3\n", "",
+     "case.toml:7:17: output.contact_every = 0.1 has nothing to write: set output.contact_fields = "
+     "true"},
+    {"[[fem.material]]\nname = \"steel\"\ndensity = 7850\nyoung_modulus = 210e9\npoisson_ratio = "
+     "0.3\n",
+     "",
      "case.toml:22:12: fem.part.0.material = \"steel\" is not known: the case has none to name."},
     {"spacing = 0.1", "spacing = 0.1\nsurface_images = 1",
      "case.toml:7:18: sph.surface_images = 1 is an integer: true or false is expected."},
@@ -51,7 +61,8 @@ const Mistake mistakes[] = {
      "case.toml:7:23: sph.viscosity_tolerance = 1e-07 is less than float32 can solve for: at least "
      "1e-6, or sph.precision = \"double\"."},
     {"spacing = 0.1", "spacing = 0.1\ntension_control = \"cut\"",
-     "case.toml:7:19: sph.tension_control = \"cut\" is not known: allowed are none, spray, switched"},
+     "case.toml:7:19: sph.tension_control = \"cut\" is not known: allowed are none, spray, "
+     "switched"},
     {"spacing = 0.1", "spacing = 0.1\ndomain = { min = [0, 0, 0], max = [1, 1, 0.5] }",
      "case.toml:13:7: sph.fill.0.box = {...} reaches out of sph.domain in z"},
     {"fluid = \"water\"", "fluid = \"watr\"",
@@ -176,7 +187,8 @@ const Mistake mistakes[] = {
     {"name = \"plate\"", "name = \"plate\"\ndimension = 2",
      "case.toml:20:13: fem.block.divisions = [4, 4, 1] is not allowed: a 2D case has one element"},
     {"[coupling]", "[couplin]",
-     "case.toml:31:2: couplin = {...} is not a key of a case: allowed are case, time, start, output, checkpoint, sph, "
+     "case.toml:31:2: couplin = {...} is not a key of a case: allowed are case, time, start, "
+     "output, checkpoint, sph, "
      "fem, coupling, backend, report; did you mean \"coupling\"?"},
     {"[case]", "[case", "case.toml:1:"},
 };

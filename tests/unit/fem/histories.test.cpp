@@ -26,6 +26,40 @@ FemHistory section(const Vec3& point, std::optional<Vec3> normal, const char* se
     return h;
 }
 
+TEST_CASE("materials in other units are doubted under the earth's gravity, and no real one is") {
+    BlockCase block{{1, 0.2, 0.2}, {2, 1, 1}};
+    Case c = block.settings();
+    c.info.gravity = {0, 0, -9.81};
+    FemMaterial& m = c.fem.material[0];
+    const auto remarks = [&](double density, double young_modulus) {
+        m.density = density, m.young_modulus = young_modulus;
+        return build_model(c).mesh.remarks;
+    };
+    CHECK(remarks(7850, 2.1e11).empty());
+    CHECK(remarks(15, 1e3).empty());           // foam
+    CHECK(remarks(7.85, 2.1e11).size() == 1);  // g/cm3
+    REQUIRE(remarks(1.1, 1.2e7).size() == 1);
+    CHECK_THAT(remarks(1.1, 1.2e7)[0], Catch::Contains("density = 1.1 is that of a gas"));
+    REQUIRE(remarks(1100, 12).size() == 1);
+    CHECK_THAT(remarks(1100, 12)[0], Catch::Contains("young_modulus = 12 is less than any solid"));
+    CHECK(remarks(7850, 2.1e14).size() == 1);
+    c.info.gravity = {0, 0, -1};
+    CHECK(remarks(1.1, 12).empty());
+}
+
+TEST_CASE("a probe outside of the mesh is told, one on its border or within is not") {
+    BlockCase block{{1, 0.2, 0.2}, {10, 3, 3}};
+    Case c = block.settings();
+    c.fem.probe = {
+        {"edge", {1, 0.2, 0.2}}, {"within", {0.51, 0.1, 0.1}}, {"rounded", {1.001, 0, 0}}};
+    CHECK(build_model(c).mesh.remarks.empty());
+    c.fem.probe.push_back({"millimeters", {1000, 100, 100}});
+    const std::vector<std::string> remarks = build_model(c).mesh.remarks;
+    REQUIRE(remarks.size() == 1);
+    CHECK_THAT(remarks[0], Catch::Contains("\"millimeters\" lies 1.01e+03 m outside of the mesh") &&
+                               Catch::Contains("(1, 0.2, 0.2) m"));
+}
+
 TEST_CASE(
     "the force through a section is what accelerates and loads the side beyond it, at any time") {
     const ElementFormulation element =

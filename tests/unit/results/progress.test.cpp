@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "read_back.hpp"
+#include "results/terminal_line.hpp"
 
 using namespace undertow;
 
@@ -61,4 +62,28 @@ TEST_CASE("the status tells what holds the steps up, and the last checkpoint fro
     CHECK_FALSE(finished.contains("doing"));
     CHECK(finished["checkpoint"]["folder"] == "checkpoints/step_000000047");
     CHECK(finished["checkpoint"]["t"] == 0.25);
+}
+
+TEST_CASE("a terminal of 80 columns shows when a coupled run will end, and cuts no part in two") {
+    ProgressFigures figures{.t = 0.03462,
+                            .t_end = 0.2,
+                            .n = 2653,
+                            .dt = 1.3e-5,
+                            .limiter = "fem: hexahedron 62 of block",
+                            .particle_steps = 2.3e6,
+                            .element_steps = 1.7e5,
+                            .force = 615,
+                            .waiting = "waits for sph 76 %, fem 1 %, both 13 %"};
+    const std::string text = line_text(figures, 4.4e5, 3.4e4, 4830, "  kept t 0.03 s, 12 s ago");
+    const std::string shown(whole_parts(text, 79));
+    CHECK(shown == "[###-----------------]  17 %  t 0.03462/0.2 s  ETA 80:30 min  step 2653");
+    CHECK(whole_parts(text, text.size()) == text);
+    // two spaces that begin right behind the last column part it there
+    CHECK(whole_parts("one  two  three", 8) == "one  two");
+    CHECK(whole_parts("one  two  three", 7) == "one");
+    CHECK(whole_parts("without a gap", 5) == "witho");
+    // what holds the steps up is seen as well
+    figures.doing = "writing step_000002653";
+    CHECK(whole_parts(line_text(figures, 4.4e5, 3.4e4, 4830, ""), 120).find(figures.doing) !=
+          std::string_view::npos);
 }
