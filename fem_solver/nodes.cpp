@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "fem_solver/node_blocks.hpp"
+
 namespace undertow::fem {
 namespace {
-
-// Fixed blocks of nodes: their sums are added in order, so that the number of threads does not
-// change a bit. One block runs without any threading cost.
-constexpr std::size_t block_size = 4096;
 
 Row row_of(double a, double b, double c) {
     return Row{a, b, c, 0};
@@ -82,28 +80,6 @@ KickReport kick_and_drift_block(Nodes& nodes, const Kick& step,
     return report_of(sums, step);
 }
 
-void drift_block(Nodes& nodes, double dt, std::size_t first, std::size_t last) {
-    for (std::size_t n = first; n < last; ++n) drift_node(nodes, dt, n);
-}
-
-/// Sum of each_block(first, last) over all nodes, in the order of the blocks.
-template <class EachBlock>
-KickReport sum_over_blocks(std::size_t n, int threads, EachBlock&& each_block) {
-    const std::size_t blocks = (n + block_size - 1) / block_size;
-    KickReport sum;
-    if (blocks <= 1 || threads <= 1) {
-        for (std::size_t b = 0; b < blocks; ++b)
-            sum += each_block(b * block_size, std::min(n, (b + 1) * block_size));
-        return sum;
-    }
-    std::vector<KickReport> part(blocks);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (std::size_t b = 0; b < blocks; ++b)
-        part[b] = each_block(b * block_size, std::min(n, (b + 1) * block_size));
-    for (const KickReport& p : part) sum += p;
-    return sum;
-}
-
 }  // namespace
 
 KickReport& KickReport::operator+=(const KickReport& other) {
@@ -136,16 +112,18 @@ Nodes make_nodes(const Mesh& mesh, std::vector<double> mass,
 }
 
 KickReport kick(Nodes& nodes, const Kick& step, int threads) {
-    return sum_over_blocks(nodes.size(), threads, [&](std::size_t first, std::size_t last) {
-        return kick_block(nodes, step, first, last);
-    });
+    return sum_over_node_blocks<KickReport>(
+        nodes.size(), threads, [&](std::size_t first, std::size_t last) {
+            return kick_block(nodes, step, first, last);
+        });
 }
 
 KickReport kick_and_drift(Nodes& nodes, const Kick& step, std::span<const std::int32_t> later,
                           int threads) {
-    return sum_over_blocks(nodes.size(), threads, [&](std::size_t first, std::size_t last) {
-        return kick_and_drift_block(nodes, step, later, first, last);
-    });
+    return sum_over_node_blocks<KickReport>(
+        nodes.size(), threads, [&](std::size_t first, std::size_t last) {
+            return kick_and_drift_block(nodes, step, later, first, last);
+        });
 }
 
 void drift(Nodes& nodes, double dt, std::span<const std::int32_t> these) {
@@ -153,14 +131,9 @@ void drift(Nodes& nodes, double dt, std::span<const std::int32_t> these) {
 }
 
 void drift(Nodes& nodes, double dt, int threads) {
-    const std::size_t n = nodes.size(), blocks = (n + block_size - 1) / block_size;
-    if (blocks <= 1 || threads <= 1) {
-        drift_block(nodes, dt, 0, n);
-        return;
-    }
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (std::size_t b = 0; b < blocks; ++b)
-        drift_block(nodes, dt, b * block_size, std::min(n, (b + 1) * block_size));
+    for_node_blocks(nodes.size(), threads, [&](std::size_t, std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) drift_node(nodes, dt, n);
+    });
 }
 
 }  // namespace undertow::fem

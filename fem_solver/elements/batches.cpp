@@ -17,6 +17,8 @@ namespace {
 // 512 elements: their nodes and state stay in a 1 MB second-level cache, and a large mesh has enough
 // chunks to share
 constexpr std::size_t elements_per_chunk = 512;
+// From here on a run has two threads (structure.cpp), and each begins with a half of the mesh.
+constexpr std::size_t halved_mesh = 8192;
 // From here on a mesh comes from memory in every step. Below, the order of the mesh is as good.
 constexpr std::size_t large_mesh = 16384;
 // Chunks. Colors follow each other within a window, so that the nodes of its chunks stay in the
@@ -85,7 +87,7 @@ void Batches<n_corners>::put_in_order(const Mesh& mesh, std::vector<Group>& grou
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
         nodes_of_group.push_back(std::move(nodes));
     }
-    const bool halves = chunks_per_window != one_window;
+    const bool halves = elements_ >= halved_mesh;
     const std::size_t middle = halves ? groups.size() / 2 : groups.size();
     std::vector<std::int32_t> order(groups.size());
     std::iota(order.begin(), order.end(), 0);
@@ -161,7 +163,7 @@ template <int n_corners>
 void Batches<n_corners>::archive_order(Archive& a) const {
     // Small meshes are taken as they are, by every version, and need no mark. Their checkpoints of
     // before there was one can be read.
-    if (elements_ < large_mesh) return;
+    if (elements_ < halved_mesh) return;
     std::uint64_t mark = 14695981039346656037u;  // FNV-1a over the elements, batch by batch
     for (std::int32_t e : element_at_) mark = (mark ^ std::uint64_t(e)) * 1099511628211u;
     if (!a.same("order", mark))

@@ -127,12 +127,12 @@ void Shells::set_stress(std::int32_t element, const Symmetric<double>&) {
                      " of its set has no stress of the ground; give a set of solid elements.");
 }
 
-KickReport Shells::kick(const Kick& step, int /*threads: a tenth of the elements' work*/) {
-    return turning_.kick(step);
+KickReport Shells::kick(const Kick& step, int threads) {
+    return turning_.kick(step, threads);
 }
 
-void Shells::drift(double /*dt*/, int /*threads*/) {
-    turning_.clear_moments();
+void Shells::drift(double /*dt*/, int threads) {
+    turning_.clear_moments(threads);
 }
 
 void Shells::accept_shape() {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "fem_solver/node_blocks.hpp"
+
 namespace undertow::fem {
 
 TurningNodes make_turning_nodes(std::vector<std::int32_t> node, std::vector<double> inertia) {
@@ -23,11 +25,17 @@ std::int32_t TurningNodes::index_of(std::int32_t node_of_mesh) const {
     return found == node.end() || *found != node_of_mesh ? -1 : std::int32_t(found - node.begin());
 }
 
-KickReport TurningNodes::kick(const Kick& step) {
+KickReport TurningNodes::kick(const Kick& step, int threads) {
+    return sum_over_node_blocks<KickReport>(
+        size(), threads,
+        [&](std::size_t first, std::size_t last) { return kick_block(step, first, last); });
+}
+
+KickReport TurningNodes::kick_block(const Kick& step, std::size_t first, std::size_t last) {
     const double span = 0.5 * (step.dt_before + step.dt_after);
     const double keep = 1 - 0.5 * step.damping * span, divide = 1 / (1 + 0.5 * step.damping * span);
     Row kinetic = {}, before = {}, after = {};
-    for (std::size_t i = 0; i < size(); ++i) {
+    for (std::size_t i = first; i < last; ++i) {
         const Row w_old = as_row(omega[i]), a = as_row(moment[i]) * as_row(inverse_inertia[i]);
         const Row w_new = (w_old * keep + span * a) * divide;
         const Row w_mean = w_old + w_new, J = inertia[i] - Row{};
@@ -42,8 +50,10 @@ KickReport TurningNodes::kick(const Kick& step) {
             quarter * step.dt_after * (after[0] + after[1] + after[2]), 0};
 }
 
-void TurningNodes::clear_moments() {
-    for (NodeRow& m : moment) m = NodeRow{};
+void TurningNodes::clear_moments(int threads) {
+    for_node_blocks(size(), threads, [&](std::size_t, std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) moment[i] = NodeRow{};
+    });
 }
 
 void TurningNodes::stop() {

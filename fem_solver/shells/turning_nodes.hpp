@@ -25,12 +25,15 @@ struct TurningNodes {
     std::int32_t index_of(std::int32_t node_of_mesh) const;  // -1: does not turn
 
     /// The report has the kinetic energy of turning and its damping.
-    KickReport kick(const Kick& step);
-    void clear_moments();
+    KickReport kick(const Kick& step, int threads);
+    void clear_moments(int threads = 1);
     void stop();
     /// No turn about x, y or z (0, 1, 2) of a node of the mesh; nothing where it does not turn.
     void hold(std::int32_t node_of_mesh, int axis);
     void archive(Archive& a);
+
+ private:
+    KickReport kick_block(const Kick& step, std::size_t first, std::size_t last);
 };
 
 /// At rest; inertia [kg m2] of each, in the order of `node`.

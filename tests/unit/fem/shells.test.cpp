@@ -241,9 +241,12 @@ TEST_CASE("shells give the same bits for one thread and two") {
                     threads);
         const double dt = s.stable_step().dt;
         march(s, dt, 20);
-        return s.nodes().x;
+        return std::pair{s.nodes().x, s.energies()};
     };
-    const NodeRows one = run(1), two = run(2);
+    const auto [one, energies] = run(1);
+    const auto [two, of_two] = run(2);
+    CHECK(energies.kinetic == of_two.kinetic);
+    CHECK(energies.internal == of_two.internal);
     bool same = true;
     for (std::size_t n = 0; n < one.size(); ++n)
         for (int d = 0; d < 3; ++d) same &= one[n].c[d] == two[n].c[d];
