@@ -54,8 +54,8 @@ def of_bodies(history, case):
 
 def panels_of(out, case):
     found = []
-    forces, gauges, patches, nodes, energy = (read_history(out / name) for name in (
-        "forces.csv", "gauges.csv", "patches.csv", "fem.history.csv", "energy.csv"))
+    forces, patches, nodes, energy = (read_history(out / name) for name in (
+        "forces.csv", "patches.csv", "fem.history.csv", "energy.csv"))
     if forces is not None and case["coupled"]:
         names = [c for c in forces if re.fullmatch(r"[^.]+\.f[xz]", c)]
         found.append(panel("Contact forces on the structure", forces, names))
@@ -64,7 +64,7 @@ def panels_of(out, case):
     if nodes is not None:
         moved = [c for c in nodes if re.search(r"\.u[xyz]$", c)]
         found.append(panel("Displacements", nodes, moved))
-    if gauges is not None:
+    for gauges in (read_history(path) for path in sorted(out.glob("gauges*.csv"))):     # a gauge may have its own interval
         for unit, title in (("m", "Gauges: levels and fronts"), ("Pa", "Gauges: pressures"), ("m3/s", "Gauges: flux"),
                             ("m2/s", "Gauges: flux"), ("N", "Gauges: forces")):
             found.append(panel(title, gauges, [c for c in gauges if c != "t" and gauges.units[c] == unit]))
@@ -164,7 +164,8 @@ def draw_report(out, case):
     scene, panels = Scene(out, case), panels_of(out, case)
     if scene.lead is None and not panels:
         return False
-    rows = -(-len(panels) // 3)
+    columns = {1: 1, 2: 2, 4: 2}.get(len(panels), 3)
+    rows = -(-len(panels) // columns)
     steps = scene.moments(MOMENTS) if scene.lead else []
     tall = 0
     if len(steps):
@@ -184,7 +185,7 @@ def draw_report(out, case):
             axes.set_visible(False)
         scene.scales(part, list(grid))
     if panels:
-        grid = parts[0].subplots(rows, min(3, len(panels)), squeeze=False).ravel()
+        grid = parts[0].subplots(rows, columns, squeeze=False).ravel()
         for axes, (title, unit, lines) in zip(grid, panels):
             draw_panel(axes, title, unit, lines)
         for axes in grid[len(panels):]:
