@@ -30,7 +30,15 @@ void for_node_blocks(std::size_t n, int threads, OfBlock&& of_block) {
 /// Sum of of_block(first, last) over the blocks of n nodes, in their order.
 template <class Sum, class OfBlock>
 Sum sum_over_node_blocks(std::size_t n, int threads, OfBlock&& of_block) {
-    std::vector<Sum> part((n + nodes_per_block - 1) / nodes_per_block);
+    const std::size_t blocks = (n + nodes_per_block - 1) / nodes_per_block;
+    if (blocks <= 1 || threads <= 1) {   // allocates nothing
+        Sum sum;
+        for_node_blocks(n, 1, [&](std::size_t, std::size_t first, std::size_t last) {
+            sum += of_block(first, last);
+        });
+        return sum;
+    }
+    std::vector<Sum> part(blocks);
     for_node_blocks(n, threads, [&](std::size_t b, std::size_t first, std::size_t last) {
         part[b] = of_block(first, last);
     });
