@@ -34,7 +34,9 @@ Sum sum_over_node_blocks(std::size_t n, int threads, OfBlock&& of_block) {
     if (blocks <= 1 || threads <= 1) {   // allocates nothing
         Sum sum;
         for_node_blocks(n, 1, [&](std::size_t, std::size_t first, std::size_t last) {
-            sum += of_block(first, last);
+            Sum part = of_block(first, last);
+            asm volatile("" : "+m"(part));   // rounded before it is added, as threads' parts are
+            sum += part;
         });
         return sum;
     }
